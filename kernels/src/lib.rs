@@ -1,0 +1,1 @@
+//! SIMD ray kernels of irt.

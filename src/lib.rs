@@ -1,0 +1,9 @@
+//! irt: a shared-memory interactive ray tracer.
+//!
+//! Modules are listed in import order: a module may import only from those above it (`tests/layering.rs` checks).
+
+pub use irt_kernels as kernels;
+
+pub mod error;
+pub mod math;
+pub mod scene;

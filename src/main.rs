@@ -1,0 +1,2 @@
+//! The `irt` command.
+fn main() {}

@@ -1,0 +1,49 @@
+//! Light sources without extent.
+
+use glam::Vec3;
+
+/// How the light of a positional source weakens with distance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Falloff {
+    /// Not at all: `intensity` arrives everywhere (the classic of Whitted-style renderers, and of the thesis).
+    #[default]
+    None,
+    /// As 1 / distance^2, so that `intensity` is in radiance x area.
+    InverseSquare,
+}
+
+/// A light source.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Light {
+    /// Shines from a point in all directions.
+    Point {
+        /// Where it is.
+        position: Vec3,
+        /// Linear colour times strength.
+        intensity: Vec3,
+        /// How it weakens with distance.
+        falloff: Falloff,
+    },
+    /// Shines from infinitely far away.
+    Directional {
+        /// Where the light travels to; unit length.
+        direction: Vec3,
+        /// Linear colour times strength.
+        intensity: Vec3,
+    },
+    /// A point light restricted to a cone with a soft rim.
+    Spot {
+        /// Where it is.
+        position: Vec3,
+        /// Axis of the cone; unit length.
+        direction: Vec3,
+        /// Linear colour times strength on the axis.
+        intensity: Vec3,
+        /// How it weakens with distance.
+        falloff: Falloff,
+        /// Full strength within this angle from the axis, radians.
+        inner: f32,
+        /// No light beyond this angle from the axis, radians, in (inner, pi/2].
+        outer: f32,
+    },
+}

@@ -1,0 +1,50 @@
+//! What is rendered: triangles, materials, lights and a camera, all in world space and fully validated.
+//!
+//! Readers and generators produce a [`Scene`]; everything downstream only borrows it. A scene holds one flat
+//! triangle list, because that is what a tree is built over; [`Part`]s remember which range came from which mesh.
+
+mod light;
+mod material;
+mod mesh;
+
+pub use light::{Falloff, Light};
+pub use material::Material;
+pub use mesh::{Part, TriangleMesh};
+
+use glam::Vec3;
+
+/// A pinhole camera as a scene file describes it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraDescription {
+    /// Position of the pinhole.
+    pub eye: Vec3,
+    /// The point in the middle of the image.
+    pub at: Vec3,
+    /// A vector that points up in the image; need not be normalised nor orthogonal to the viewing direction.
+    pub up: Vec3,
+    /// Vertical field of view in degrees, in (0, 180).
+    pub fov_deg: f32,
+}
+
+/// Everything one image is a function of, except sampling.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Short name, as a user would type it.
+    pub name: String,
+    /// All triangles, in world space.
+    pub mesh: TriangleMesh,
+    /// Materials, indexed by [`TriangleMesh::materials`]; never empty when there are triangles.
+    pub materials: Vec<Material>,
+    /// Lights, in the order in which their contributions are added.
+    pub lights: Vec<Light>,
+    /// The camera.
+    pub camera: CameraDescription,
+    /// Light that reaches every surface from everywhere (multiplies `Ka` or, where that is zero, `Kd`).
+    pub ambient: Vec3,
+    /// Linear colour of rays that hit nothing.
+    pub background: Vec3,
+    /// Image size in pixels, width then height, unless the user asks for another.
+    pub size: [u32; 2],
+    /// What was repaired, dropped or ignored while loading, counted; each a sentence for the user.
+    pub warnings: Vec<String>,
+}

@@ -4,6 +4,8 @@
 
 pub use irt_kernels as kernels;
 
+pub mod bvh;
+pub mod camera;
 pub mod error;
 pub mod math;
 pub mod scene;

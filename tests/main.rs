@@ -1,1 +1,4 @@
-//! The one integration-test binary.
+//! The one integration-test binary; a module per subject.
+
+mod agree; // every kernel against brute force
+mod support; // oracles, meshes, random numbers

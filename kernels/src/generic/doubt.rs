@@ -1,0 +1,63 @@
+//! Lanes that the filters cannot decide, decided exactly, one ray and one triangle at a time.
+
+use super::{Frame, leaf::triangle};
+use crate::{
+    exact::{Canonical, passes},
+    node::{BvhView, TriBlock},
+    packet::MISS,
+};
+
+/// Slot of "no triangle": a slot is block index * 8 + lane.
+pub(crate) const NO_SLOT: u32 = u32::MAX;
+
+/// The block and lane of a slot.
+#[inline(always)]
+pub(crate) fn block_of<'a>(bvh: &BvhView<'a>, slot: u32) -> (&'a TriBlock, usize) {
+    (&bvh.blocks[(slot >> 3) as usize], (slot & 7) as usize)
+}
+
+/// Decides whether the triangle in `slot` is a nearer hit than the one in `best`, which may be [`NO_SLOT`]. Returns
+/// its canonical depth if it is.
+///
+/// The order of hits is that of (canonical depth, primitive id); depths from zero to `tfar`, both inclusive, count.
+#[cold]
+#[inline(never)]
+pub(crate) fn nearer(
+    bvh: &BvhView,
+    frame: &Frame,
+    d: [f32; 3],
+    tfar: f32,
+    slot: u32,
+    best: u32,
+) -> Option<f64> {
+    let (block, lane) = block_of(bvh, slot);
+    let prim = block.prim[lane];
+    if prim == MISS {
+        return None;
+    }
+    let [a, b, c] = triangle(block, lane, frame);
+    if !passes(a, b, c, d) {
+        return None;
+    }
+    let wide = d.map(f64::from);
+    let t = Canonical::new(a, b, c).depth(wide);
+    if !(t >= 0.0 && t <= f64::from(tfar)) {
+        return None;
+    }
+    if best != NO_SLOT {
+        let (block, lane) = block_of(bvh, best);
+        let [a, b, c] = triangle(block, lane, frame);
+        let t_best = Canonical::new(a, b, c).depth(wide);
+        if (t_best, block.prim[lane]) <= (t, prim) {
+            return None;
+        }
+    }
+    Some(t)
+}
+
+/// An interval of inverse depths around canonical depth `t`, wide enough for its rounding.
+#[inline(always)]
+pub(crate) fn inverse_interval(t: f64) -> (f32, f32) {
+    let w = 1.0 / t;
+    ((w * (1.0 - 5.0e-7)) as f32, (w * (1.0 + 5.0e-7)) as f32)
+}

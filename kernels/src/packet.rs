@@ -1,0 +1,186 @@
+//! Rays and hits, one by one and 256 at a time.
+
+/// Rays in a sub-packet.
+pub const SUB: usize = 16;
+/// Sub-packets in a tile packet.
+pub const SUBS: usize = 16;
+/// Rays in a tile packet.
+pub const TILE_RAYS: usize = SUB * SUBS;
+/// Primitive id of a ray that hit nothing.
+pub const MISS: u32 = u32::MAX;
+
+/// A single ray; `t` counts in lengths of `dir`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Origin.
+    pub org: [f32; 3],
+    /// Direction, any length but zero. A ray with a zero or non-finite direction or origin hits nothing.
+    pub dir: [f32; 3],
+    /// Least depth that counts as a hit (inclusive); values below zero mean zero.
+    pub tnear: f32,
+    /// Greatest depth that counts as a hit (inclusive).
+    pub tfar: f32,
+}
+
+/// Where a ray hits first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Primitive id, or [`MISS`].
+    pub prim: u32,
+    /// Depth along the ray.
+    pub t: f32,
+    /// Barycentric weight of the triangle's second corner.
+    pub u: f32,
+    /// Barycentric weight of the triangle's third corner.
+    pub v: f32,
+}
+
+impl Hit {
+    /// No hit.
+    pub const MISS: Hit = Hit { prim: MISS, t: f32::INFINITY, u: 0.0, v: 0.0 };
+}
+
+/// One of the six axis directions: the dominant one of a ray.
+///
+/// The face of a direction is the *first* axis of greatest magnitude; it is a property of the ray, never of the
+/// packet that it happens to be traced in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Face {
+    /// 0 = x, 1 = y, 2 = z.
+    pub axis: usize,
+    /// True if the direction points to the negative side.
+    pub negative: bool,
+}
+
+impl Face {
+    /// All faces, by [`Face::index`].
+    pub const ALL: [Face; 6] = [
+        Face { axis: 0, negative: false },
+        Face { axis: 0, negative: true },
+        Face { axis: 1, negative: false },
+        Face { axis: 1, negative: true },
+        Face { axis: 2, negative: false },
+        Face { axis: 2, negative: true },
+    ];
+
+    /// The face of a direction, none of whose components is NaN.
+    #[inline(always)]
+    pub fn of(dir: [f32; 3]) -> Face {
+        let [x, y, z] = dir.map(f32::abs);
+        let axis = if x >= y && x >= z {
+            0
+        } else if y >= z {
+            1
+        } else {
+            2
+        };
+        Face { axis, negative: dir[axis] < 0.0 }
+    }
+
+    /// 0 to 5: axis * 2, plus 1 for the negative side.
+    #[inline(always)]
+    pub fn index(self) -> usize {
+        self.axis * 2 + usize::from(self.negative)
+    }
+
+    /// The world axes that carry u, v and depth.
+    #[inline(always)]
+    pub fn axes(self) -> [usize; 3] {
+        [(self.axis + 1) % 3, (self.axis + 2) % 3, self.axis]
+    }
+
+    /// The world direction of slopes (u, v): the dominant component is exactly 1 or -1.
+    #[inline(always)]
+    pub fn direction(self, u: f32, v: f32) -> [f32; 3] {
+        let [iu, iv, iz] = self.axes();
+        let mut dir = [0.0; 3];
+        dir[iu] = u;
+        dir[iv] = v;
+        dir[iz] = if self.negative { -1.0 } else { 1.0 };
+        dir
+    }
+}
+
+/// 256 rays from one origin whose directions share a face, as slopes: at depth t ray i passes through
+/// `org + t * face.direction(u[i], v[i])`.
+///
+/// Rays `16 s .. 16 s + 16` form sub-packet `s`; the closer their slopes, the faster the packet.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub struct TilePacket {
+    /// Slopes along the first axis of the face, each in [-1, 1].
+    pub u: [f32; TILE_RAYS],
+    /// Slopes along the second axis of the face, each in [-1, 1].
+    pub v: [f32; TILE_RAYS],
+    /// Greatest depth that counts as a hit (inclusive), > 0; infinity is fine.
+    pub tfar: [f32; TILE_RAYS],
+    /// Bit `i` of `active[s]`: ray `16 s + i` takes part. The values of the others do not matter.
+    pub active: [u16; SUBS],
+    /// Common origin.
+    pub org: [f32; 3],
+    /// Common face.
+    pub face: Face,
+}
+
+impl TilePacket {
+    /// A packet without active rays.
+    pub fn new() -> TilePacket {
+        TilePacket {
+            u: [0.0; TILE_RAYS],
+            v: [0.0; TILE_RAYS],
+            tfar: [f32::INFINITY; TILE_RAYS],
+            active: [0; SUBS],
+            org: [0.0; 3],
+            face: Face::ALL[0],
+        }
+    }
+
+    /// Ray `i` as a single ray: exactly the one that the tile kernel traces.
+    pub fn ray(&self, i: usize) -> Ray {
+        let dir = self.face.direction(self.u[i], self.v[i]);
+        Ray { org: self.org, dir, tnear: 0.0, tfar: self.tfar[i] }
+    }
+}
+
+impl Default for TilePacket {
+    fn default() -> TilePacket {
+        TilePacket::new()
+    }
+}
+
+/// First hits of the rays of a [`TilePacket`]; inactive rays keep what was there.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub struct TileHits {
+    /// Primitive ids, [`MISS`] where nothing was hit.
+    pub prim: [u32; TILE_RAYS],
+    /// Depths; infinity for a miss.
+    pub t: [f32; TILE_RAYS],
+    /// Barycentric weights of the second corner.
+    pub u: [f32; TILE_RAYS],
+    /// Barycentric weights of the third corner.
+    pub v: [f32; TILE_RAYS],
+}
+
+impl TileHits {
+    /// All misses.
+    pub fn new() -> TileHits {
+        TileHits {
+            prim: [MISS; TILE_RAYS],
+            t: [f32::INFINITY; TILE_RAYS],
+            u: [0.0; TILE_RAYS],
+            v: [0.0; TILE_RAYS],
+        }
+    }
+
+    /// Hit of ray `i`.
+    pub fn hit(&self, i: usize) -> Hit {
+        Hit { prim: self.prim[i], t: self.t[i], u: self.u[i], v: self.v[i] }
+    }
+}
+
+impl Default for TileHits {
+    fn default() -> TileHits {
+        TileHits::new()
+    }
+}

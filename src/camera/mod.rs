@@ -1,0 +1,188 @@
+//! The pinhole camera: from pixels to rays.
+//!
+//! A primary ray is the slopes of its direction about its own dominant axis: direction / (greatest component), so
+//! that one component is exactly 1 or -1. Every kernel traces exactly that direction, which is why the image does not
+//! depend on how pixels are grouped. The arithmetic is plain `*`, `+` and `/` in f32, in one order.
+
+use crate::{
+    kernels::{F32, Face, I32, Kernel, Kernels, Lanes, SUB, SUBS, Simd, TILE_RAYS, TilePacket},
+    scene::CameraDescription,
+};
+use glam::Vec3;
+
+/// A pinhole camera for one image size.
+#[derive(Clone, Copy, Debug)]
+pub struct Camera {
+    /// Position of the pinhole.
+    pub eye: Vec3,
+    /// Direction through the centre of pixel (0, 0), unnormalised.
+    corner: Vec3,
+    /// Change of direction per pixel to the right and per pixel down.
+    step: [Vec3; 2],
+}
+
+/// Pixels along one side of a tile packet.
+pub const PACKET_SIDE: u32 = 16;
+/// Pixels along one side of a sub-packet.
+const SUB_SIDE: usize = 4;
+
+/// Pixel offset of a ray within its packet: sub-packets are 4x4 pixels, row by row, and so are their rays.
+///
+/// ```text
+///   sub-packets   0  1  2  3        rays of each    0  1  2  3
+///                 4  5  6  7                        4  5  6  7
+///                 8  9 10 11                        8  9 10 11
+///                12 13 14 15                       12 13 14 15
+/// ```
+pub const fn pixel_of(ray: usize) -> (u32, u32) {
+    let (sub, lane) = (ray / SUB, ray % SUB);
+    let x = sub % SUB_SIDE * SUB_SIDE + lane % SUB_SIDE;
+    let y = sub / SUB_SIDE * SUB_SIDE + lane / SUB_SIDE;
+    (x as u32, y as u32)
+}
+
+/// Offsets of all rays of a packet, by ray.
+const OFFSETS: [[f32; TILE_RAYS]; 2] = {
+    let mut offsets = [[0.0; TILE_RAYS]; 2];
+    let mut ray = 0;
+    while ray < TILE_RAYS {
+        let (x, y) = pixel_of(ray);
+        offsets[0][ray] = x as f32;
+        offsets[1][ray] = y as f32;
+        ray += 1;
+    }
+    offsets
+};
+
+impl Camera {
+    /// A camera for an image of `width` x `height` pixels. The description must be valid (see
+    /// [`CameraDescription`]): eye and at differ, up is not parallel to the viewing direction.
+    pub fn new(description: &CameraDescription, width: u32, height: u32) -> Camera {
+        let forward = (description.at - description.eye).normalize();
+        let right = forward.cross(description.up).normalize();
+        let up = right.cross(forward);
+        let half = (0.5 * description.fov_deg.to_radians()).tan();
+        let pixel = 2.0 * half / height as f32;
+        let step = [right * pixel, up * -pixel];
+        let corner =
+            forward - step[0] * (0.5 * (width as f32 - 1.0)) - step[1] * (0.5 * (height as f32 - 1.0));
+        Camera { eye: description.eye, corner, step }
+    }
+
+    /// Unnormalised direction through the centre of a pixel.
+    pub fn direction(&self, x: u32, y: u32) -> Vec3 {
+        self.corner + self.step[0] * x as f32 + self.step[1] * y as f32
+    }
+
+    /// The primary rays of the 16x16 pixels at (x, y); only the first `width` x `height` of them take part. Rays are
+    /// grouped by face: nearly always all go into `packets[0]`, and the number of packets used is returned.
+    pub fn rays(
+        &self,
+        kernels: &Kernels,
+        [x, y]: [u32; 2],
+        [width, height]: [u32; 2],
+        packets: &mut [TilePacket; 6],
+    ) -> usize {
+        let mut directions = [[0.0; TILE_RAYS]; 3];
+        let mut faces = [0; TILE_RAYS];
+        kernels.run(Directions {
+            camera: self,
+            at: [x as f32, y as f32],
+            directions: &mut directions,
+            faces: &mut faces,
+        });
+        let within = within(width, height);
+        let mut used = 0;
+        for face in Face::ALL {
+            let active = members(&faces, face, &within);
+            if active != [0; SUBS] {
+                let [iu, iv, _] = face.axes();
+                let packet = &mut packets[used];
+                packet.u = directions[iu];
+                packet.v = directions[iv];
+                packet.tfar = [f32::INFINITY; TILE_RAYS];
+                packet.active = active;
+                packet.org = self.eye.to_array();
+                packet.face = face;
+                used += 1;
+            }
+        }
+        used
+    }
+}
+
+/// Rays whose pixels lie within the first `width` x `height` of the packet.
+fn within(width: u32, height: u32) -> [u16; SUBS] {
+    let mut active = [0; SUBS];
+    if width >= PACKET_SIDE && height >= PACKET_SIDE {
+        return [u16::MAX; SUBS];
+    }
+    for ray in 0..TILE_RAYS {
+        let (x, y) = pixel_of(ray);
+        if x < width && y < height {
+            active[ray / SUB] |= 1 << (ray % SUB);
+        }
+    }
+    active
+}
+
+/// Rays of one face.
+fn members(faces: &[u32; TILE_RAYS], face: Face, within: &[u16; SUBS]) -> [u16; SUBS] {
+    let index = face.index() as u32;
+    let mut active = [0; SUBS];
+    for (sub, lanes) in faces.as_chunks::<SUB>().0.iter().enumerate() {
+        let mut bits = 0;
+        for (lane, &f) in lanes.iter().enumerate() {
+            bits |= u16::from(f == index) << lane;
+        }
+        active[sub] = bits & within[sub];
+    }
+    active
+}
+
+/// Directions of 256 pixels, divided by their greatest component, and their faces.
+struct Directions<'a> {
+    camera: &'a Camera,
+    at: [f32; 2],
+    directions: &'a mut [[f32; TILE_RAYS]; 3],
+    faces: &'a mut [u32; TILE_RAYS],
+}
+
+impl Kernel for Directions<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let camera = self.camera;
+        for first in (0..TILE_RAYS).step_by(16) {
+            let x = F32::<S, 16>::load_at(s, &OFFSETS[0], first) + F32::splat(s, self.at[0]);
+            let y = F32::load_at(s, &OFFSETS[1], first) + F32::splat(s, self.at[1]);
+            let component = |k: usize| {
+                F32::splat(s, camera.corner[k])
+                    + F32::splat(s, camera.step[0][k]) * x
+                    + F32::splat(s, camera.step[1][k]) * y
+            };
+            let dir = [component(0), component(1), component(2)];
+            let (slopes, face) = slopes(s, dir);
+            for k in 0..3 {
+                slopes[k].store_at(&mut self.directions[k], first);
+            }
+            let faces: &mut [u32; 16] = (&mut self.faces[first..first + 16]).try_into().expect("16 lanes");
+            face.store(faces);
+        }
+    }
+}
+
+/// Directions divided by their component of greatest magnitude, which becomes exactly 1 or -1, and the index of their
+/// [`Face`], which is judged after the division: another component may have become 1 as well.
+#[inline(always)]
+pub(crate) fn slopes<S: Lanes<W>, const W: usize>(s: S, dir: [F32<S, W>; 3]) -> ([F32<S, W>; 3], I32<S, W>) {
+    let greatest = dir[0].abs().max(dir[1].abs()).max(dir[2].abs());
+    let slopes = [dir[0] / greatest, dir[1] / greatest, dir[2] / greatest];
+    let one = I32::splat(s, 1.0f32.to_bits());
+    let is_x = slopes[0].abs().bits().eq(one);
+    let is_y = slopes[1].abs().bits().eq(one);
+    let dominant = is_x.select(slopes[0], is_y.select(slopes[1], slopes[2]));
+    let axis = is_x.iselect(I32::splat(s, 0), is_y.iselect(I32::splat(s, 2), I32::splat(s, 4)));
+    (slopes, axis + dominant.bits().shr::<31>())
+}

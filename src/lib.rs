@@ -6,6 +6,8 @@ pub use irt_kernels as kernels;
 
 pub mod bvh;
 pub mod camera;
+pub mod trace;
+pub mod shade;
 pub mod error;
 pub mod math;
 pub mod scene;

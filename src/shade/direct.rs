@@ -1,0 +1,255 @@
+//! Direct light: which surfaces a light could reach, and what it adds to those it does.
+
+use super::{
+    surface::{NO_FACE, Surfaces, dot, load3, store3},
+    table::{ROUNDING, SurfaceTable},
+};
+use crate::{
+    camera::slopes,
+    kernels::{F32, I32, Kernel, Kernels, MISS, Mask, Ray, Simd},
+    scene::{Falloff, Light},
+    shade::power::power,
+};
+use glam::Vec3;
+
+/// The shadow rays of one light for a stream of surfaces, and what came of them.
+#[derive(Clone, Debug, Default)]
+pub struct LightRays {
+    /// Slopes from the light (positional lights).
+    pub u: Vec<f32>,
+    /// Slopes from the light (positional lights).
+    pub v: Vec<f32>,
+    /// Positional lights: depth just before the surface. Directional lights: depth just off the surface.
+    pub limit: Vec<f32>,
+    /// Face as seen from the light; 6 where the surface cannot be lit.
+    pub face: Vec<u32>,
+    /// 1 where the light may reach the surface, 0 where it cannot or is blocked.
+    pub visible: Vec<f32>,
+}
+
+impl LightRays {
+    fn resize(&mut self, len: usize) {
+        for plane in [&mut self.u, &mut self.v, &mut self.limit, &mut self.visible] {
+            plane.resize(len, 0.0);
+        }
+        self.face.resize(len, NO_FACE);
+    }
+
+    /// The ray from the surface of ray `i` towards a directional light that shines along `direction`.
+    pub fn directional_ray(&self, surfaces: &Surfaces, i: usize, direction: Vec3) -> Ray {
+        let org = [surfaces.point[0][i], surfaces.point[1][i], surfaces.point[2][i]];
+        Ray { org, dir: (-direction).to_array(), tnear: self.limit[i], tfar: f32::INFINITY }
+    }
+}
+
+/// Finds the surfaces that face the light and prepares their shadow rays; `visible` becomes 1 there and 0 elsewhere.
+///
+/// # Why a surface does not shadow itself
+///
+/// A hit point lies off its triangle's plane by at most `point_error` in each coordinate: the rounding of the
+/// coordinates involved, not an epsilon of scene size. Along a ray at the angle of n . d to the plane, that is a
+/// stretch of `point_error * |n| / |n . d|` (|.| the 1-norm), and the shadow ray stops, or starts, that far from the
+/// surface. Grazing light gets a longer stretch, at most half of the way.
+pub fn light_rays(kernels: &Kernels, table: &SurfaceTable, surfaces: &Surfaces, light: &Light, rays: &mut LightRays) {
+    rays.resize(surfaces.len());
+    match *light {
+        Light::Point { position, .. } | Light::Spot { position, .. } => {
+            let error = table.point_error + ROUNDING * position.abs().max_element();
+            kernels.run(FromPoint { surfaces, position, error, rays });
+        }
+        Light::Directional { direction, .. } => {
+            kernels.run(FromDirection { surfaces, direction, error: table.point_error, rays });
+        }
+    }
+}
+
+struct FromPoint<'a> {
+    surfaces: &'a Surfaces,
+    position: Vec3,
+    error: f32,
+    rays: &'a mut LightRays,
+}
+
+impl Kernel for FromPoint<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let (surfaces, rays) = (self.surfaces, self.rays);
+        let light = [0, 1, 2].map(|k| F32::<S, 16>::splat(s, self.position[k]));
+        let (one, half) = (F32::splat(s, 1.0), F32::splat(s, 0.5));
+        for at in (0..surfaces.len()).step_by(16) {
+            let point = load3(s, &surfaces.point, at);
+            let ng = load3(s, &surfaces.ng, at);
+            let d = [point[0] - light[0], point[1] - light[1], point[2] - light[2]];
+            let toward = -dot(ng, d);
+            let facing = hit_lanes(s, surfaces, at) & F32::splat(s, 0.0).lt(toward);
+            let (slopes, face) = slopes(s, d);
+            let depth = d[0].abs().max(d[1].abs()).max(d[2].abs());
+            let norm = ng[0].abs() + ng[1].abs() + ng[2].abs();
+            let stretch = (F32::splat(s, self.error) * norm / toward).min(half);
+            (depth * (one - stretch)).store_at(&mut rays.limit, at);
+
+            // u and v are the slopes along the two axes after the dominant one.
+            let axis = face.shr::<1>();
+            let is_x = axis.eq(I32::splat(s, 0));
+            let is_y = axis.eq(I32::splat(s, 1));
+            is_x.select(slopes[1], is_y.select(slopes[2], slopes[0])).store_at(&mut rays.u, at);
+            is_x.select(slopes[2], is_y.select(slopes[0], slopes[1])).store_at(&mut rays.v, at);
+            facing.select(one, F32::splat(s, 0.0)).store_at(&mut rays.visible, at);
+            let faces: &mut [u32; 16] = (&mut rays.face[at..at + 16]).try_into().expect("16 lanes");
+            facing.iselect(face, I32::splat(s, NO_FACE)).store(faces);
+        }
+    }
+}
+
+struct FromDirection<'a> {
+    surfaces: &'a Surfaces,
+    direction: Vec3,
+    error: f32,
+    rays: &'a mut LightRays,
+}
+
+impl Kernel for FromDirection<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let (surfaces, rays) = (self.surfaces, self.rays);
+        let d = [0, 1, 2].map(|k| F32::<S, 16>::splat(s, self.direction[k]));
+        for at in (0..surfaces.len()).step_by(16) {
+            let ng = load3(s, &surfaces.ng, at);
+            let toward = -dot(ng, d);
+            let facing = hit_lanes(s, surfaces, at) & F32::splat(s, 0.0).lt(toward);
+            let norm = ng[0].abs() + ng[1].abs() + ng[2].abs();
+            (F32::splat(s, self.error) * norm / toward).store_at(&mut rays.limit, at);
+            facing.select(F32::splat(s, 1.0), F32::splat(s, 0.0)).store_at(&mut rays.visible, at);
+        }
+    }
+}
+
+/// Lanes whose ray hit something.
+#[inline(always)]
+fn hit_lanes<S: Simd>(s: S, surfaces: &Surfaces, at: usize) -> Mask<S, 16> {
+    let prim: &[u32; 16] = surfaces.prim[at..at + 16].try_into().expect("16 lanes");
+    let missed = I32::<S, 16>::load(s, prim).eq(I32::splat(s, MISS));
+    Mask::from_bits(s, !missed.bits() & 0xffff)
+}
+
+/// Adds the light to all surfaces it reaches.
+pub fn add_light(kernels: &Kernels, light: &Light, rays: &LightRays, surfaces: &mut Surfaces) {
+    kernels.run(AddLight { light: Emitter::new(light), visible: &rays.visible, surfaces });
+}
+
+/// A light with everything per-frame worked out.
+#[derive(Clone, Copy)]
+struct Emitter {
+    intensity: [f32; 3],
+    /// Position, or the direction to a directional light.
+    place: Vec3,
+    directional: bool,
+    inverse_square: bool,
+    /// Axis, cosine where the cone starts to fade, cosine where it ends.
+    spot: Option<(Vec3, f32, f32)>,
+}
+
+impl Emitter {
+    fn new(light: &Light) -> Emitter {
+        match *light {
+            Light::Point { position, intensity, falloff } => Emitter {
+                intensity: intensity.to_array(),
+                place: position,
+                directional: false,
+                inverse_square: falloff == Falloff::InverseSquare,
+                spot: None,
+            },
+            Light::Directional { direction, intensity } => Emitter {
+                intensity: intensity.to_array(),
+                place: -direction,
+                directional: true,
+                inverse_square: false,
+                spot: None,
+            },
+            Light::Spot { position, direction, intensity, falloff, inner, outer } => Emitter {
+                intensity: intensity.to_array(),
+                place: position,
+                directional: false,
+                inverse_square: falloff == Falloff::InverseSquare,
+                spot: Some((direction, inner.cos(), outer.cos())),
+            },
+        }
+    }
+}
+
+struct AddLight<'a> {
+    light: Emitter,
+    visible: &'a [f32],
+    surfaces: &'a mut Surfaces,
+}
+
+impl Kernel for AddLight<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let AddLight { light, visible, surfaces } = self;
+        let zero = F32::<S, 16>::splat(s, 0.0);
+        for at in (0..surfaces.len()).step_by(16) {
+            let visible = F32::<S, 16>::load_at(s, visible, at);
+            if zero.lt(visible).bits() == 0 {
+                continue;
+            }
+            let (l, strength) = arriving(s, &light, surfaces, at);
+            let n = load3(s, &surfaces.ns, at);
+            let cosine = dot(n, l).max(zero);
+            let strength = visible * strength;
+            let ks = load3(s, &surfaces.ks, at);
+            let kd = load3(s, &surfaces.kd, at);
+            let diffuse = cosine * strength;
+            let shiny = zero.lt(ks[0].max(ks[1]).max(ks[2]));
+            let glossy = if shiny.bits() == 0 {
+                zero
+            } else {
+                let lobe = highlight(s, surfaces, at, l, n);
+                zero.lt(cosine).select(lobe * strength, zero)
+            };
+            let color = load3(s, &surfaces.color, at);
+            let sum = |k: usize| color[k] + F32::splat(s, light.intensity[k]) * (kd[k] * diffuse + ks[k] * glossy);
+            store3([sum(0), sum(1), sum(2)], &mut surfaces.color, at);
+        }
+    }
+}
+
+/// Unit direction to the light and the strength with which it arrives.
+#[inline(always)]
+fn arriving<S: Simd>(s: S, light: &Emitter, surfaces: &Surfaces, at: usize) -> ([F32<S, 16>; 3], F32<S, 16>) {
+    let place = [0, 1, 2].map(|k| F32::<S, 16>::splat(s, light.place[k]));
+    let one = F32::splat(s, 1.0);
+    if light.directional {
+        return (place, one);
+    }
+    let point = load3(s, &surfaces.point, at);
+    let d = [place[0] - point[0], place[1] - point[1], place[2] - point[2]];
+    let squared = dot(d, d);
+    let inverse = one / squared.sqrt();
+    let l = [d[0] * inverse, d[1] * inverse, d[2] * inverse];
+    let mut strength = if light.inverse_square { one / squared } else { one };
+    if let Some((axis, inner, outer)) = light.spot {
+        let axis = [0, 1, 2].map(|k| F32::<S, 16>::splat(s, -axis[k]));
+        // Smoothstep from the outer to the inner angle.
+        let ramp = (dot(axis, l) - F32::splat(s, outer)) / F32::splat(s, (inner - outer).max(1.0e-6));
+        let ramp = ramp.max(F32::splat(s, 0.0)).min(one);
+        strength = strength * ramp * ramp * (F32::splat(s, 3.0) - (ramp + ramp));
+    }
+    (l, strength)
+}
+
+/// The Blinn-Phong lobe: (n . h)^ns.
+#[inline(always)]
+fn highlight<S: Simd>(s: S, surfaces: &Surfaces, at: usize, l: [F32<S, 16>; 3], n: [F32<S, 16>; 3]) -> F32<S, 16> {
+    let view = load3(s, &surfaces.view, at);
+    let h = [l[0] + view[0], l[1] + view[1], l[2] + view[2]];
+    let (zero, one) = (F32::splat(s, 0.0), F32::splat(s, 1.0));
+    let cosine = (dot(n, h) / dot(h, h).sqrt()).max(zero).min(one);
+    power(s, cosine, F32::load_at(s, &surfaces.exponent, at))
+}

@@ -1,0 +1,72 @@
+//! What shading needs to know of each triangle and material, in the form that is quickest to fetch.
+
+use crate::scene::Scene;
+use glam::Vec3;
+
+/// One triangle: a cache line.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(super) struct Facet {
+    /// Unit normal, by the order of the corners.
+    pub(super) ng: [f32; 3],
+    pub(super) material: u32,
+    /// Unit normals at the corners.
+    pub(super) corner: [[f32; 3]; 3],
+}
+
+/// The part of a material that shading uses.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reflectance {
+    pub(super) kd: [f32; 3],
+    pub(super) ks: [f32; 3],
+    pub(super) ns: f32,
+    /// Light that leaves the surface by itself: emission plus ambient reflection.
+    pub(super) base: [f32; 3],
+}
+
+/// Shading data of a scene, built once.
+#[derive(Clone, Debug)]
+pub struct SurfaceTable {
+    pub(super) facets: Vec<Facet>,
+    pub(super) materials: Vec<Reflectance>,
+    /// Bound of the rounding of a hit point, in world units: see [`super::light_rays`].
+    pub(super) point_error: f32,
+}
+
+impl SurfaceTable {
+    /// Collects the shading data of a scene.
+    pub fn new(scene: &Scene) -> SurfaceTable {
+        let mesh = &scene.mesh;
+        let facets = (0..mesh.len())
+            .map(|prim| {
+                let [a, b, c] = mesh.corners(prim).map(glam::Vec3::as_dvec3);
+                let ng = (b - a).cross(c - a).normalize_or_zero().as_vec3();
+                let corner = mesh.triangles[prim].map(|vertex| {
+                    let normal = mesh.normals.get(vertex as usize).copied().unwrap_or(Vec3::ZERO);
+                    (if normal == Vec3::ZERO { ng } else { normal }).to_array()
+                });
+                Facet { ng: ng.to_array(), material: mesh.materials[prim], corner }
+            })
+            .collect();
+        let materials = scene
+            .materials
+            .iter()
+            .map(|material| {
+                let ambient = if material.ka == Vec3::ZERO { material.kd } else { material.ka };
+                Reflectance {
+                    kd: material.kd.to_array(),
+                    ks: material.ks.to_array(),
+                    ns: material.ns,
+                    base: (material.ke + ambient * scene.ambient).to_array(),
+                }
+            })
+            .collect();
+        let bounds = mesh.bounds();
+        let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
+        SurfaceTable { facets, materials, point_error: reach * ROUNDING }
+    }
+}
+
+/// A hit point is a rounded vertex difference, a rounded depth, a product and a sum away from the truth: each at most
+/// 2^-24 of the coordinates involved. Eight of those leave room.
+pub(super) const ROUNDING: f32 = 8.0 / (1 << 24) as f32;

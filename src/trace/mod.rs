@@ -1,0 +1,113 @@
+//! Tracing rays against a tree: the tree and the kernels behind `intersect` and `occluded`.
+
+mod shadow;
+
+pub use shadow::{PointShadows, ShadowRays};
+
+use crate::{
+    bvh::Bvh,
+    kernels::{BvhView, Hit, Kernels, NodeRef, Ray, SUB, SUBS, TILE_RAYS, TileHits, TilePacket},
+};
+use std::{fmt, str::FromStr};
+
+/// Which kernel traces rays that share their origin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum KernelChoice {
+    /// The common-origin tile kernel: 256 rays at once.
+    #[default]
+    Tile,
+    /// One ray at a time; gives the same image, slower.
+    Single,
+}
+
+impl KernelChoice {
+    /// All choices.
+    pub const ALL: [KernelChoice; 2] = [KernelChoice::Tile, KernelChoice::Single];
+
+    /// Name as on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            KernelChoice::Tile => "tile",
+            KernelChoice::Single => "single",
+        }
+    }
+}
+
+impl fmt::Display for KernelChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for KernelChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<KernelChoice, String> {
+        KernelChoice::ALL
+            .into_iter()
+            .find(|choice| choice.name() == text)
+            .ok_or_else(|| format!("unknown kernel '{text}'; use tile or single"))
+    }
+}
+
+/// A tree ready to be traversed.
+#[derive(Clone, Copy, Debug)]
+pub struct Traversal<'a> {
+    view: BvhView<'a>,
+    kernels: Kernels,
+    choice: KernelChoice,
+}
+
+impl<'a> Traversal<'a> {
+    /// A tree with the kernels to traverse it.
+    pub fn new(bvh: &'a Bvh, kernels: Kernels, choice: KernelChoice) -> Traversal<'a> {
+        Traversal { view: bvh.view(), kernels, choice }
+    }
+
+    /// The kernels.
+    pub fn kernels(&self) -> &Kernels {
+        &self.kernels
+    }
+
+    /// First hits of the active rays of a packet; hits of other rays are left as they are.
+    pub fn intersect(&self, packet: &TilePacket, hits: &mut TileHits) {
+        match self.choice {
+            KernelChoice::Tile => self.kernels.tile_intersect(&self.view, packet, hits),
+            KernelChoice::Single => {
+                for ray in active_rays(packet) {
+                    let hit = self.kernels.intersect(&self.view, &packet.ray(ray));
+                    (hits.prim[ray], hits.t[ray], hits.u[ray], hits.v[ray]) = (hit.prim, hit.t, hit.u, hit.v);
+                }
+            }
+        }
+    }
+
+    /// Which active rays of a packet are blocked within `tfar`, as bits like [`TilePacket::active`]. `seed` as in
+    /// [`Kernels::tile_occluded`].
+    pub fn occluded(&self, packet: &TilePacket, seed: &mut NodeRef, blocked: &mut [u16; SUBS]) {
+        match self.choice {
+            KernelChoice::Tile => self.kernels.tile_occluded(&self.view, packet, seed, blocked),
+            KernelChoice::Single => {
+                *blocked = [0; SUBS];
+                for ray in active_rays(packet) {
+                    let hit = self.kernels.occluded(&self.view, &packet.ray(ray));
+                    blocked[ray / SUB] |= u16::from(hit) << (ray % SUB);
+                }
+            }
+        }
+    }
+
+    /// First hit of a single ray.
+    pub fn intersect_ray(&self, ray: &Ray) -> Hit {
+        self.kernels.intersect(&self.view, ray)
+    }
+
+    /// True if a single ray is blocked.
+    pub fn occluded_ray(&self, ray: &Ray) -> bool {
+        self.kernels.occluded(&self.view, ray)
+    }
+}
+
+fn active_rays(packet: &TilePacket) -> impl Iterator<Item = usize> {
+    (0..TILE_RAYS).filter(|ray| packet.active[ray / SUB] >> (ray % SUB) & 1 != 0)
+}

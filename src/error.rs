@@ -41,7 +41,9 @@ pub enum Error {
         remedy: String,
     },
     /// A worker panicked; the frame is lost, the process is not.
-    #[error("tile at ({x}, {y}) of {width}x{height} pixels failed: {message}; please report this with the command line")]
+    #[error(
+        "tile at ({x}, {y}) of {width}x{height} pixels failed: {message}; please report this with the command line"
+    )]
     Worker {
         /// Left edge of the tile in pixels.
         x: u32,

@@ -7,3 +7,4 @@ pub use irt_kernels as kernels;
 pub mod error;
 pub mod math;
 pub mod scene;
+pub mod tile;

@@ -7,4 +7,5 @@ pub use irt_kernels as kernels;
 pub mod error;
 pub mod math;
 pub mod scene;
+pub mod schedule;
 pub mod tile;

@@ -45,7 +45,7 @@ fn step(from: [i64; 2], unit: [i64; 2], count: i64) -> [i64; 2] {
 /// It starts at `(0, 0)` and ends at the other end of the longer side (the horizontal one of a square). Each cell is
 /// a neighbour of the one before, with one exception: if the longer side is odd and the shorter one even, no such
 /// walk between these two corners exists (colour the cells like a chessboard). Then exactly one step is diagonal;
-/// where the shorter side is 2, there is none, and the walk ends one or two cells beside its corner instead.
+/// where the shorter side is 2 there is none, and the walk ends one cell short of its corner instead.
 #[derive(Clone, Debug)]
 pub struct Hilbert {
     /// Blocks still to be walked, the next one last.

@@ -11,3 +11,8 @@ pub mod shade;
 pub mod error;
 pub mod math;
 pub mod scene;
+pub mod tile;
+pub mod film;
+pub mod schedule;
+pub mod output;
+pub mod report;

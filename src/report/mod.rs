@@ -1,0 +1,16 @@
+//! What irt found out, for people and for programs: summaries, statistics, and tables in four formats.
+
+mod csv;
+mod json;
+mod markdown;
+mod number;
+mod statistics;
+mod summary;
+mod table;
+mod terminal;
+
+pub use json::to_json;
+pub use number::{bytes, count, significant};
+pub use statistics::Statistics;
+pub use summary::{BuildSummary, FrameSummary, RayCounts, StageSeconds, Summary, WorkerSummary};
+pub use table::{Cell, Table};

@@ -1,0 +1,50 @@
+//! Statistics of repeated measurements.
+
+use serde::Serialize;
+
+/// Median and extremes. The median, because a measurement is disturbed in one direction only.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Statistics {
+    /// The middle value; the mean of the two middle ones if their number is even.
+    pub median: f64,
+    /// The smallest value.
+    pub min: f64,
+    /// The largest value.
+    pub max: f64,
+}
+
+impl Statistics {
+    /// Statistics of `samples`; `None` if there is none or one is NaN.
+    pub fn of(samples: &[f64]) -> Option<Statistics> {
+        if samples.is_empty() || samples.iter().any(|s| s.is_nan()) {
+            return None;
+        }
+        let mut sorted = samples.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let half = sorted.len() / 2;
+        let median =
+            if sorted.len() % 2 == 1 { sorted[half] } else { f64::midpoint(sorted[half - 1], sorted[half]) };
+        Some(Statistics { median, min: sorted[0], max: sorted[sorted.len() - 1] })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_is_the_middle_or_between_the_two_middle_values() {
+        assert_eq!(Statistics::of(&[3.0, 1.0, 2.0]), Some(Statistics { median: 2.0, min: 1.0, max: 3.0 }));
+        assert_eq!(
+            Statistics::of(&[4.0, 1.0, 2.0, 3.0]),
+            Some(Statistics { median: 2.5, min: 1.0, max: 4.0 })
+        );
+        assert_eq!(Statistics::of(&[5.0]), Some(Statistics { median: 5.0, min: 5.0, max: 5.0 }));
+    }
+
+    #[test]
+    fn nothing_and_nan_have_no_statistics() {
+        assert_eq!(Statistics::of(&[]), None);
+        assert_eq!(Statistics::of(&[1.0, f64::NAN]), None);
+    }
+}

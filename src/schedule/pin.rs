@@ -1,0 +1,162 @@
+//! Which CPU each worker is pinned to, and the pinning itself. The only file that names `core_affinity`.
+//!
+//! That crate asks for care: it reads the mask of the calling thread (so a pinned thread would see one CPU: we
+//! read it once, before anything is pinned), its numbers may have gaps, a number above 1023 aborts the process,
+//! and it tells by a `bool` whether the system agreed.
+
+use super::topology::Topology;
+use std::fmt;
+use std::path::Path;
+use std::sync::OnceLock;
+use std::thread;
+
+/// The largest CPU number that fits `core_affinity`'s fixed mask.
+const LARGEST_CPU: usize = 1023;
+
+/// The CPUs this process may use.
+#[derive(Clone, Debug)]
+pub struct Machine {
+    /// CPUs in the order in which workers take them.
+    spread: Vec<usize>,
+    /// Physical cores among them.
+    cores: usize,
+    /// CPUs' worth of time that affinity mask and cgroup quota grant, rounded down, at least 1.
+    parallelism: usize,
+}
+
+impl Machine {
+    /// The machine this runs on, looked at once: at the first call, which must not come from a pinned thread.
+    pub fn get() -> &'static Machine {
+        static MACHINE: OnceLock<Machine> = OnceLock::new();
+        MACHINE.get_or_init(|| {
+            let allowed: Vec<usize> =
+                core_affinity::get_core_ids().unwrap_or_default().iter().map(|core| core.id).collect();
+            let topology = Topology::read(Path::new("/sys/devices/system/cpu"), &allowed);
+            // The standard library reads the cgroup quotas, of both versions and of every parent.
+            Machine::new(&topology, thread::available_parallelism().map_or(1, usize::from))
+        })
+    }
+
+    /// A machine with these CPUs and a quota of `parallelism` of them.
+    pub fn new(topology: &Topology, parallelism: usize) -> Machine {
+        Machine { spread: topology.spread(), cores: topology.cores(), parallelism: parallelism.max(1) }
+    }
+
+    /// Number of workers unless the user asks for another: one per physical core, but no more than the quota.
+    pub fn default_workers(&self) -> usize {
+        // Where the CPUs cannot be listed, there are none, and the quota alone is known.
+        if self.cores == 0 { self.parallelism } else { self.cores.min(self.parallelism) }
+    }
+
+    /// Number of physical cores this process may use; 0 if unknown.
+    pub fn cores(&self) -> usize {
+        self.cores
+    }
+}
+
+/// How many workers there are, and the CPU that each one should be pinned to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Placement {
+    slots: Vec<Option<usize>>,
+}
+
+impl Placement {
+    /// `threads` workers (at least 1), or the machine's default. With `pin`, they take one CPU of every physical core
+    /// first, then further CPUs of the same cores. Workers beyond the number of CPUs or beyond the quota stay unpinned: two
+    /// workers pinned to one CPU could never be balanced by the system.
+    pub fn new(machine: &Machine, threads: Option<usize>, pin: bool) -> Placement {
+        let count = threads.unwrap_or_else(|| machine.default_workers()).max(1);
+        let pinnable = if pin { machine.parallelism } else { 0 };
+        let cpus = machine.spread.iter().copied().take(pinnable).map(Some);
+        Placement { slots: cpus.chain(std::iter::repeat(None)).take(count).collect() }
+    }
+
+    /// The CPU of each worker; `None` leaves it to the operating system.
+    pub fn slots(&self) -> &[Option<usize>] {
+        &self.slots
+    }
+}
+
+/// Where a worker runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pinned {
+    /// On this CPU only.
+    Cpu(usize),
+    /// Anywhere: the operating system refused to pin it to this CPU.
+    Refused(usize),
+    /// Anywhere, as it should.
+    Free,
+}
+
+impl fmt::Display for Pinned {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Pinned::Cpu(cpu) => write!(f, "cpu {cpu}"),
+            Pinned::Refused(cpu) => write!(f, "unpinned (cpu {cpu} refused)"),
+            Pinned::Free => write!(f, "unpinned"),
+        }
+    }
+}
+
+/// Pins the calling thread to `cpu`, if any.
+pub(super) fn pin_current_thread(cpu: Option<usize>) -> Pinned {
+    let Some(id) = cpu else { return Pinned::Free };
+    let done = id <= LARGEST_CPU && core_affinity::set_for_current(core_affinity::CoreId { id });
+    if done { Pinned::Cpu(id) } else { Pinned::Refused(id) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn four_cores_with_smt() -> Machine {
+        Machine { spread: vec![0, 2, 4, 6, 1, 3, 5, 7], cores: 4, parallelism: 8 }
+    }
+
+    #[test]
+    fn by_default_there_is_one_pinned_worker_per_physical_core() {
+        let placement = Placement::new(&four_cores_with_smt(), None, true);
+        assert_eq!(placement.slots(), [Some(0), Some(2), Some(4), Some(6)]);
+    }
+
+    #[test]
+    fn further_workers_take_the_siblings_and_the_rest_is_unpinned() {
+        let placement = Placement::new(&four_cores_with_smt(), Some(10), true);
+        assert_eq!(placement.slots()[3..6], [Some(6), Some(1), Some(3)]);
+        assert_eq!(placement.slots()[7..], [Some(7), None, None]);
+    }
+
+    #[test]
+    fn the_quota_bounds_the_default_and_the_pinning() {
+        let machine = Machine { parallelism: 2, ..four_cores_with_smt() };
+        assert_eq!(Placement::new(&machine, None, true).slots(), [Some(0), Some(2)]);
+        assert_eq!(Placement::new(&machine, Some(3), true).slots(), [Some(0), Some(2), None]);
+    }
+
+    #[test]
+    fn nobody_is_pinned_unless_asked_for() {
+        assert_eq!(Placement::new(&four_cores_with_smt(), Some(2), false).slots(), [None, None]);
+    }
+
+    #[test]
+    fn an_unknown_machine_still_gets_workers() {
+        let machine = Machine::new(&Topology::flat(&[]), 3);
+        assert_eq!(Placement::new(&machine, None, true).slots(), [None, None, None]);
+    }
+
+    #[test]
+    fn a_cpu_number_too_large_for_the_mask_is_refused() {
+        for cpu in [1024, usize::MAX] {
+            let pinned = thread::spawn(move || pin_current_thread(Some(cpu))).join().unwrap();
+            assert_eq!(pinned, Pinned::Refused(cpu));
+        }
+    }
+
+    #[test]
+    fn pinning_a_thread_leaves_the_list_of_cpus_as_it_was() {
+        let before = Machine::get().spread.clone();
+        let cpu = before.first().copied();
+        thread::spawn(move || pin_current_thread(cpu)).join().unwrap();
+        assert_eq!(Machine::get().spread, before);
+    }
+}

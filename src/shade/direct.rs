@@ -50,7 +50,13 @@ impl LightRays {
 /// coordinates involved, not an epsilon of scene size. Along a ray at the angle of n . d to the plane, that is a
 /// stretch of `point_error * |n| / |n . d|` (|.| the 1-norm), and the shadow ray stops, or starts, that far from the
 /// surface. Grazing light gets a longer stretch, at most half of the way.
-pub fn light_rays(kernels: &Kernels, table: &SurfaceTable, surfaces: &Surfaces, light: &Light, rays: &mut LightRays) {
+pub fn light_rays(
+    kernels: &Kernels,
+    table: &SurfaceTable,
+    surfaces: &Surfaces,
+    light: &Light,
+    rays: &mut LightRays,
+) {
     rays.resize(surfaces.len());
     match *light {
         Light::Point { position, .. } | Light::Spot { position, .. } => {
@@ -214,7 +220,8 @@ impl Kernel for AddLight<'_> {
                 zero.lt(cosine).select(lobe * strength, zero)
             };
             let color = load3(s, &surfaces.color, at);
-            let sum = |k: usize| color[k] + F32::splat(s, light.intensity[k]) * (kd[k] * diffuse + ks[k] * glossy);
+            let sum =
+                |k: usize| color[k] + F32::splat(s, light.intensity[k]) * (kd[k] * diffuse + ks[k] * glossy);
             store3([sum(0), sum(1), sum(2)], &mut surfaces.color, at);
         }
     }
@@ -246,7 +253,13 @@ fn arriving<S: Simd>(s: S, light: &Emitter, surfaces: &Surfaces, at: usize) -> (
 
 /// The Blinn-Phong lobe: (n . h)^ns.
 #[inline(always)]
-fn highlight<S: Simd>(s: S, surfaces: &Surfaces, at: usize, l: [F32<S, 16>; 3], n: [F32<S, 16>; 3]) -> F32<S, 16> {
+fn highlight<S: Simd>(
+    s: S,
+    surfaces: &Surfaces,
+    at: usize,
+    l: [F32<S, 16>; 3],
+    n: [F32<S, 16>; 3],
+) -> F32<S, 16> {
     let view = load3(s, &surfaces.view, at);
     let h = [l[0] + view[0], l[1] + view[1], l[2] + view[2]];
     let (zero, one) = (F32::splat(s, 0.0), F32::splat(s, 1.0));

@@ -40,10 +40,11 @@ fn exp2<S: Lanes<W>, const W: usize>(s: S, x: F32<S, W>) -> F32<S, W> {
     // Arguments are at most 0: truncation after subtracting a half rounds to nearest.
     let whole = (x - c(0.5)).trunc();
     let f = (x - whole.to_float()) * c(std::f32::consts::LN_2);
-    let series = (((((c(1.0 / 720.0) * f + c(1.0 / 120.0)) * f + c(1.0 / 24.0)) * f + c(1.0 / 6.0)) * f + c(0.5)) * f
-        + c(1.0))
-        * f
-        + c(1.0);
+    let series =
+        (((((c(1.0 / 720.0) * f + c(1.0 / 120.0)) * f + c(1.0 / 24.0)) * f + c(1.0 / 6.0)) * f + c(0.5)) * f
+            + c(1.0))
+            * f
+            + c(1.0);
     (series.bits() + whole.shl::<23>()).floats()
 }
 
@@ -68,7 +69,8 @@ mod tests {
         let reference = Kernels::for_isa(Isa::Scalar).expect("scalar exists");
         for step in 0..4000u32 {
             let x: [f32; 16] = std::array::from_fn(|i| (step * 16 + i as u32) as f32 / 63999.0);
-            let y: [f32; 16] = std::array::from_fn(|i| [0.0, 1.0, 2.5, 10.0, 32.0, 100.0, 500.0, 1000.0][i % 8]);
+            let y: [f32; 16] =
+                std::array::from_fn(|i| [0.0, 1.0, 2.5, 10.0, 32.0, 100.0, 500.0, 1000.0][i % 8]);
             let want = reference.run(Power(x, y));
             for isa in Isa::available() {
                 let got = Kernels::for_isa(isa).expect("available").run(Power(x, y));
@@ -78,7 +80,12 @@ mod tests {
                 let exact = f64::from(x[i]).powf(f64::from(y[i]));
                 let error = (f64::from(want[i]) - exact).abs();
                 // The rounding of log2 x is multiplied by y.
-                assert!(error <= 3.0e-6 * exact * (1.0 + 0.05 * f64::from(y[i])) + 1.0e-9, "{}^{}", x[i], y[i]);
+                assert!(
+                    error <= 3.0e-6 * exact * (1.0 + 0.05 * f64::from(y[i])) + 1.0e-9,
+                    "{}^{}",
+                    x[i],
+                    y[i]
+                );
             }
         }
     }

@@ -32,7 +32,9 @@ impl Surfaces {
         let len = packets * TILE_RAYS;
         self.prim.clear();
         self.prim.resize(len, MISS);
-        for planes in [&mut self.point, &mut self.ng, &mut self.ns, &mut self.view, &mut self.kd, &mut self.ks] {
+        for planes in
+            [&mut self.point, &mut self.ng, &mut self.ns, &mut self.view, &mut self.kd, &mut self.ks]
+        {
             for plane in planes {
                 plane.resize(len, 0.0);
             }

@@ -39,7 +39,7 @@ impl SurfaceTable {
         let mesh = &scene.mesh;
         let facets = (0..mesh.len())
             .map(|prim| {
-                let [a, b, c] = mesh.corners(prim).map(glam::Vec3::as_dvec3);
+                let [a, b, c] = mesh.corners(prim).map(Vec3::as_dvec3);
                 let ng = (b - a).cross(c - a).normalize_or_zero().as_vec3();
                 let corner = mesh.triangles[prim].map(|vertex| {
                     let normal = mesh.normals.get(vertex as usize).copied().unwrap_or(Vec3::ZERO);

@@ -2,7 +2,7 @@
 
 mod shadow;
 
-pub use shadow::{PointShadows, ShadowRays};
+pub use shadow::{NO_OCCLUDER, PointShadows, ShadowRays};
 
 use crate::{
     bvh::Bvh,

@@ -147,7 +147,7 @@ impl PointShadows {
 }
 
 /// The seed of a light that has not blocked anything yet.
-pub(crate) const NO_OCCLUDER: NodeRef = EMPTY_NODE;
+pub const NO_OCCLUDER: NodeRef = EMPTY_NODE;
 
 /// A grid of cells over the slopes that a face's rays actually have.
 #[derive(Clone, Copy)]

@@ -1,0 +1,152 @@
+//! One image, from a scene to a film: the only place that knows all the parts.
+//!
+//! ```text
+//!   scene -> tree, surface table                                  once
+//!   tiles in order -> workers: rays -> hits -> surfaces -> light  per frame
+//!         -> film
+//! ```
+
+mod task;
+
+use crate::{
+    bvh::{BuildPreset, Bvh},
+    camera::Camera,
+    error::{Error, Result},
+    film::{Film, NanPixels},
+    kernels::{Isa, Kernels},
+    scene::Scene,
+    schedule::{Control, Machine, Placement, Strategy, WorkerStats, with_workers},
+    shade::SurfaceTable,
+    tile::{Order, tiles},
+    trace::KernelChoice,
+};
+use std::time::Instant;
+use task::{Frame, RenderTask, TileReport};
+
+/// How to render; says nothing about what.
+#[derive(Clone, Copy, Debug)]
+pub struct RenderOptions {
+    /// Instruction set; `None` takes the widest one of this machine.
+    pub isa: Option<Isa>,
+    /// Kernel for rays with a common origin.
+    pub kernel: KernelChoice,
+    /// Workers; `None` takes one per core.
+    pub threads: Option<usize>,
+    /// Pin each worker to a core.
+    pub pin: bool,
+    /// Order of the tiles.
+    pub order: Order,
+    /// Which worker gets which tile when.
+    pub schedule: Strategy,
+    /// Side of a tile in pixels, >= 1.
+    pub tile: u32,
+    /// Width and height of the image in pixels, each >= 1.
+    pub size: [u32; 2],
+    /// How often to render the image, >= 1.
+    pub frames: u32,
+    /// Quality of the tree.
+    pub build: BuildPreset,
+    /// Seed of the samplers.
+    pub seed: u64,
+}
+
+/// Rays traced, by kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayTally {
+    /// From the camera.
+    pub primary: u64,
+    /// Between lights and surfaces.
+    pub shadow: u64,
+}
+
+/// One finished frame.
+#[derive(Clone, Debug)]
+pub struct FrameReport {
+    /// Wall-clock seconds.
+    pub seconds: f64,
+    /// Rays traced.
+    pub rays: RayTally,
+    /// Seconds the workers spent tracing, all together.
+    pub trace_seconds: f64,
+    /// Seconds the workers spent on everything else, all together.
+    pub shade_seconds: f64,
+    /// Hash of the linear pixels.
+    pub image_sha256: String,
+    /// What each worker did.
+    pub workers: Vec<WorkerStats>,
+}
+
+/// An image and what it took.
+#[derive(Debug)]
+pub struct Rendered {
+    /// The image.
+    pub film: Film,
+    /// Instruction set used.
+    pub isa: Isa,
+    /// Seconds to build the tree and the surface table.
+    pub build_seconds: f64,
+    /// Bytes of the tree with its triangles.
+    pub tree_bytes: usize,
+    /// One entry per frame.
+    pub frames: Vec<FrameReport>,
+    /// Pixels that came out as NaN and were written black: a defect to report.
+    pub nan: Option<NanPixels>,
+}
+
+/// Chooses the kernels that `isa` asks for.
+///
+/// # Errors
+/// [`Error::Flag`] if this machine lacks that instruction set.
+pub fn choose_kernels(isa: Option<Isa>) -> Result<Kernels> {
+    let Some(isa) = isa else { return Ok(Kernels::detect()) };
+    Kernels::for_isa(isa).ok_or_else(|| {
+        let available: Vec<&str> = Isa::available().map(Isa::name).collect();
+        let remedy = format!("use auto, or one of: {}", available.join(", "));
+        Error::flag("--isa", format!("this machine has no {isa}"), remedy)
+    })
+}
+
+/// Renders `scene`.
+///
+/// # Errors
+/// [`Error::Flag`] for an instruction set that this machine lacks, [`Error::Interrupted`] if `control` was cancelled,
+/// [`Error::Worker`] if a tile panicked, [`Error::Failed`] if the tree cannot be built.
+pub fn render(scene: &Scene, options: &RenderOptions, control: &Control) -> Result<Rendered> {
+    let kernels = choose_kernels(options.isa)?;
+    // The machine is enumerated and the tree built before any thread is pinned: pins are inherited.
+    let placement = Placement::new(Machine::get(), options.threads, options.pin);
+    let start = Instant::now();
+    let bvh = Bvh::build(&scene.mesh, options.build)?;
+    let table = SurfaceTable::new(scene);
+    let build_seconds = start.elapsed().as_secs_f64();
+    if control.cancelled() {
+        return Err(Error::Interrupted);
+    }
+
+    let task = RenderTask::new(scene, &bvh, &table, kernels, options.kernel);
+    let [width, height] = options.size;
+    let tiles = tiles(width, height, options.tile, options.order);
+    let camera = Camera::new(&scene.camera, width, height);
+    let mut film = Film::new(width, height);
+    let mut frames = Vec::new();
+    with_workers(&task, &placement, |master| {
+        for _ in 0..options.frames {
+            let mut sum = TileReport::default();
+            let frame = Frame { camera, film: std::mem::replace(&mut film, Film::new(0, 0)) };
+            let (frame, stats) =
+                master.run_frame(options.schedule, frame, &tiles, control, |_, report| sum.add(&report))?;
+            film = frame.film;
+            frames.push(FrameReport {
+                seconds: stats.seconds,
+                rays: sum.rays,
+                trace_seconds: sum.trace.as_secs_f64(),
+                shade_seconds: sum.shade.as_secs_f64(),
+                image_sha256: film.sha256(),
+                workers: stats.workers,
+            });
+        }
+        Ok(())
+    })?;
+    let nan = film.nan();
+    Ok(Rendered { film, isa: kernels.isa(), build_seconds, tree_bytes: bvh.bytes(), frames, nan })
+}

@@ -1,0 +1,204 @@
+//! What a worker does with a tile.
+
+use super::RayTally;
+use crate::{
+    bvh::Bvh,
+    camera::{Camera, PACKET_SIDE, pixel_of},
+    film::Film,
+    kernels::{Kernels, NodeRef, TILE_RAYS, TileHits, TilePacket},
+    scene::{Light, Scene},
+    schedule::TileTask,
+    shade::{LightRays, SurfaceTable, Surfaces, add_light, light_rays},
+    tile::Tile,
+    trace::{KernelChoice, NO_OCCLUDER, PointShadows, ShadowRays, Traversal},
+};
+use std::time::{Duration, Instant};
+
+/// Everything that stays the same over many frames.
+pub(super) struct RenderTask<'a> {
+    scene: &'a Scene,
+    table: &'a SurfaceTable,
+    traversal: Traversal<'a>,
+}
+
+/// What belongs to one frame.
+pub(super) struct Frame {
+    pub(super) camera: Camera,
+    pub(super) film: Film,
+}
+
+/// What a tile took.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct TileReport {
+    pub(super) rays: RayTally,
+    pub(super) trace: Duration,
+    pub(super) shade: Duration,
+}
+
+impl TileReport {
+    pub(super) fn add(&mut self, other: &TileReport) {
+        self.rays.primary += other.rays.primary;
+        self.rays.shadow += other.rays.shadow;
+        self.trace += other.trace;
+        self.shade += other.shade;
+    }
+}
+
+/// Buffers of one worker.
+pub(super) struct Scratch {
+    packets: Box<[TilePacket; 6]>,
+    hits: Box<TileHits>,
+    surfaces: Surfaces,
+    light_rays: LightRays,
+    shadows: PointShadows,
+    /// The last occluder of each light.
+    seeds: Vec<NodeRef>,
+    pixels: [Vec<f32>; 3],
+}
+
+impl<'a> RenderTask<'a> {
+    pub(super) fn new(
+        scene: &'a Scene,
+        bvh: &'a Bvh,
+        table: &'a SurfaceTable,
+        kernels: Kernels,
+        choice: KernelChoice,
+    ) -> RenderTask<'a> {
+        RenderTask { scene, table, traversal: Traversal::new(bvh, kernels, choice) }
+    }
+}
+
+impl TileTask for RenderTask<'_> {
+    type Frame = Frame;
+    type Scratch = Scratch;
+    type Output = TileReport;
+
+    fn scratch(&self, _worker: usize) -> Scratch {
+        Scratch {
+            packets: Box::new(std::array::from_fn(|_| TilePacket::new())),
+            hits: Box::new(TileHits::new()),
+            surfaces: Surfaces::default(),
+            light_rays: LightRays::default(),
+            shadows: PointShadows::default(),
+            seeds: vec![NO_OCCLUDER; self.scene.lights.len()],
+            pixels: [Vec::new(), Vec::new(), Vec::new()],
+        }
+    }
+
+    fn run(&self, frame: &Frame, tile: Tile, scratch: &mut Scratch) -> TileReport {
+        let mut clock = Clock::start();
+        self.see(frame, tile, scratch, &mut clock);
+        scratch.surfaces.finish(self.traversal.kernels());
+        for (index, light) in self.scene.lights.iter().enumerate() {
+            self.light(light, index, scratch, &mut clock);
+        }
+        write(&frame.film, tile, scratch);
+        clock.shade();
+        clock.report
+    }
+}
+
+impl RenderTask<'_> {
+    /// Primary rays: fills the surfaces of the tile, packet by packet of 16x16 pixels.
+    fn see(&self, frame: &Frame, tile: Tile, scratch: &mut Scratch, clock: &mut Clock) {
+        let Scratch { packets, hits, surfaces, .. } = scratch;
+        let corners = packet_corners(tile);
+        surfaces.reset(corners.clone().count(), self.scene.background.to_array());
+        for (index, [x, y]) in corners.enumerate() {
+            let inside = [tile.width - x, tile.height - y];
+            let at = [tile.x + x, tile.y + y];
+            let used = frame.camera.rays(self.traversal.kernels(), at, inside, packets);
+            for packet in &packets[..used] {
+                clock.shade();
+                self.traversal.intersect(packet, hits);
+                clock.trace();
+                surfaces.gather(self.table, index, packet, hits);
+            }
+        }
+        clock.report.rays.primary += tile.len() as u64;
+    }
+
+    /// Adds one light to the surfaces of the tile.
+    fn light(&self, light: &Light, index: usize, scratch: &mut Scratch, clock: &mut Clock) {
+        let Scratch { surfaces, light_rays: rays, shadows, seeds, .. } = scratch;
+        let kernels = self.traversal.kernels();
+        light_rays(kernels, self.table, surfaces, light, rays);
+        clock.shade();
+        clock.report.rays.shadow += match *light {
+            Light::Point { position, .. } | Light::Spot { position, .. } => {
+                let stream = ShadowRays { u: &rays.u, v: &rays.v, tfar: &rays.limit, face: &rays.face };
+                let origin = position.to_array();
+                shadows.trace(&self.traversal, origin, &stream, &mut seeds[index], &mut rays.visible)
+            }
+            Light::Directional { direction, .. } => {
+                let mut traced = 0;
+                for i in 0..rays.visible.len() {
+                    if rays.visible[i] > 0.0 {
+                        traced += 1;
+                        if self.traversal.occluded_ray(&rays.directional_ray(surfaces, i, direction)) {
+                            rays.visible[i] = 0.0;
+                        }
+                    }
+                }
+                traced
+            }
+        };
+        clock.trace();
+        add_light(kernels, light, rays, surfaces);
+    }
+}
+
+/// Corners of the 16x16-pixel packets of a tile, relative to the tile, row by row.
+fn packet_corners(tile: Tile) -> impl Iterator<Item = [u32; 2]> + Clone {
+    let step = PACKET_SIDE as usize;
+    let xs = move || (0..tile.width).step_by(step);
+    (0..tile.height).step_by(step).flat_map(move |y| xs().map(move |x| [x, y]))
+}
+
+/// Brings the colours from packet order into pixel order and writes them to the film.
+fn write(film: &Film, tile: Tile, scratch: &mut Scratch) {
+    let Scratch { surfaces, pixels, .. } = scratch;
+    for (plane, colors) in pixels.iter_mut().zip(&surfaces.color) {
+        plane.resize(tile.len(), 0.0);
+        for (packet, [left, top]) in packet_corners(tile).enumerate() {
+            for ray in 0..TILE_RAYS {
+                let (x, y) = pixel_of(ray);
+                let (x, y) = (left + x, top + y);
+                if x < tile.width && y < tile.height {
+                    plane[(y * tile.width + x) as usize] = colors[packet * TILE_RAYS + ray];
+                }
+            }
+        }
+    }
+    let [r, g, b] = &*pixels;
+    film.write_tile(tile, r, g, b);
+}
+
+/// Splits a tile's time into tracing and the rest.
+struct Clock {
+    report: TileReport,
+    last: Instant,
+}
+
+impl Clock {
+    fn start() -> Clock {
+        Clock { report: TileReport::default(), last: Instant::now() }
+    }
+
+    fn lap(&mut self) -> Duration {
+        let now = Instant::now();
+        now - std::mem::replace(&mut self.last, now)
+    }
+
+    /// What happened since the last call was tracing.
+    fn trace(&mut self) {
+        let lap = self.lap();
+        self.report.trace += lap;
+    }
+
+    /// What happened since the last call was anything else.
+    fn shade(&mut self) {
+        let lap = self.lap();
+        self.report.shade += lap;
+    }
+}

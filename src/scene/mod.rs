@@ -6,6 +6,7 @@
 mod light;
 mod material;
 mod mesh;
+pub mod procedural;
 
 pub use light::{Falloff, Light};
 pub use material::Material;

@@ -157,12 +157,12 @@ impl Kernel for Directions<'_> {
         for first in (0..TILE_RAYS).step_by(16) {
             let x = F32::<S, 16>::load_at(s, &OFFSETS[0], first) + F32::splat(s, self.at[0]);
             let y = F32::load_at(s, &OFFSETS[1], first) + F32::splat(s, self.at[1]);
-            let component = |k: usize| {
-                F32::splat(s, camera.corner[k])
+            let mut dir = [x; 3];
+            for k in 0..3 {
+                dir[k] = F32::splat(s, camera.corner[k])
                     + F32::splat(s, camera.step[0][k]) * x
-                    + F32::splat(s, camera.step[1][k]) * y
-            };
-            let dir = [component(0), component(1), component(2)];
+                    + F32::splat(s, camera.step[1][k]) * y;
+            }
             let (slopes, face) = slopes(s, dir);
             for k in 0..3 {
                 slopes[k].store_at(&mut self.directions[k], first);

@@ -1,7 +1,7 @@
 //! Direct light: which surfaces a light could reach, and what it adds to those it does.
 
 use super::{
-    surface::{NO_FACE, Surfaces, dot, load3, store3},
+    surface::{NO_FACE, Surfaces, dot, load3, splat3, store3},
     table::{ROUNDING, SurfaceTable},
 };
 use crate::{
@@ -82,7 +82,7 @@ impl Kernel for FromPoint<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
         let (surfaces, rays) = (self.surfaces, self.rays);
-        let light = [0, 1, 2].map(|k| F32::<S, 16>::splat(s, self.position[k]));
+        let light = splat3::<S>(s, self.position);
         let (one, half) = (F32::splat(s, 1.0), F32::splat(s, 0.5));
         for at in (0..surfaces.len()).step_by(16) {
             let point = load3(s, &surfaces.point, at);
@@ -122,7 +122,7 @@ impl Kernel for FromDirection<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
         let (surfaces, rays) = (self.surfaces, self.rays);
-        let d = [0, 1, 2].map(|k| F32::<S, 16>::splat(s, self.direction[k]));
+        let d = splat3::<S>(s, self.direction);
         for at in (0..surfaces.len()).step_by(16) {
             let ng = load3(s, &surfaces.ng, at);
             let toward = -dot(ng, d);
@@ -219,10 +219,12 @@ impl Kernel for AddLight<'_> {
                 let lobe = highlight(s, surfaces, at, l, n);
                 zero.lt(cosine).select(lobe * strength, zero)
             };
-            let color = load3(s, &surfaces.color, at);
-            let sum =
-                |k: usize| color[k] + F32::splat(s, light.intensity[k]) * (kd[k] * diffuse + ks[k] * glossy);
-            store3([sum(0), sum(1), sum(2)], &mut surfaces.color, at);
+            let mut color = load3(s, &surfaces.color, at);
+            for k in 0..3 {
+                let reflected = kd[k] * diffuse + ks[k] * glossy;
+                color[k] = color[k] + F32::splat(s, light.intensity[k]) * reflected;
+            }
+            store3(color, &mut surfaces.color, at);
         }
     }
 }
@@ -230,7 +232,7 @@ impl Kernel for AddLight<'_> {
 /// Unit direction to the light and the strength with which it arrives.
 #[inline(always)]
 fn arriving<S: Simd>(s: S, light: &Emitter, surfaces: &Surfaces, at: usize) -> ([F32<S, 16>; 3], F32<S, 16>) {
-    let place = [0, 1, 2].map(|k| F32::<S, 16>::splat(s, light.place[k]));
+    let place = splat3::<S>(s, light.place);
     let one = F32::splat(s, 1.0);
     if light.directional {
         return (place, one);
@@ -242,7 +244,7 @@ fn arriving<S: Simd>(s: S, light: &Emitter, surfaces: &Surfaces, at: usize) -> (
     let l = [d[0] * inverse, d[1] * inverse, d[2] * inverse];
     let mut strength = if light.inverse_square { one / squared } else { one };
     if let Some((axis, inner, outer)) = light.spot {
-        let axis = [0, 1, 2].map(|k| F32::<S, 16>::splat(s, -axis[k]));
+        let axis = splat3::<S>(s, -axis);
         // Smoothstep from the outer to the inner angle.
         let ramp = (dot(axis, l) - F32::splat(s, outer)) / F32::splat(s, (inner - outer).max(1.0e-6));
         let ramp = ramp.max(F32::splat(s, 0.0)).min(one);

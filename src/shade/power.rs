@@ -10,42 +10,43 @@ use crate::kernels::{F32, I32, Lanes};
 /// log2 by the series of atanh on [sqrt(1/2), sqrt(2)], exp2 by its Taylor polynomial on [-1/2, 1/2].
 #[inline(always)]
 pub(super) fn power<S: Lanes<W>, const W: usize>(s: S, x: F32<S, W>, y: F32<S, W>) -> F32<S, W> {
-    let c = |value: f32| F32::<S, W>::splat(s, value);
-    let tiny = c(1.0e-30);
+    let tiny = F32::splat(s, 1.0e-30);
     let exponent = log2(s, x.max(tiny)) * y;
     // Results below 2^-100 count as nothing; the cut also keeps the exponent's bits in range.
-    let result = exp2(s, exponent.max(c(-100.0)).min(c(0.0)));
-    let vanishes = exponent.le(c(-100.0));
-    vanishes.select(c(0.0), result)
+    let result = exp2(s, exponent.max(F32::splat(s, -100.0)).min(F32::splat(s, 0.0)));
+    let vanishes = exponent.le(F32::splat(s, -100.0));
+    vanishes.select(F32::splat(s, 0.0), result)
 }
 
 #[inline(always)]
 fn log2<S: Lanes<W>, const W: usize>(s: S, x: F32<S, W>) -> F32<S, W> {
-    let c = |value: f32| F32::<S, W>::splat(s, value);
-    let i = |value: u32| I32::<S, W>::splat(s, value);
     // x = m * 2^e with m in [sqrt(1/2), sqrt(2)).
-    let shifted = x.bits() - i(0x3f35_04f3);
-    let e = (shifted.shr::<23>() ^ i(0x100)) - i(0x100);
+    let shifted = x.bits() - I32::splat(s, 0x3f35_04f3);
+    let e = (shifted.shr::<23>() ^ I32::splat(s, 0x100)) - I32::splat(s, 0x100);
     let m = (x.bits() - e.shl::<23>()).floats();
-    let r = (m - c(1.0)) / (m + c(1.0));
+    let r = (m - F32::splat(s, 1.0)) / (m + F32::splat(s, 1.0));
     let r2 = r * r;
-    let series = ((c(2.0 / 9.0) * r2 + c(2.0 / 7.0)) * r2 + c(2.0 / 5.0)) * r2 + c(2.0 / 3.0);
-    let ln = r * (series * r2 + c(2.0));
-    e.to_float() + ln * c(std::f32::consts::LOG2_E)
+    let ln = r * polynomial(s, r2, &[2.0 / 9.0, 2.0 / 7.0, 2.0 / 5.0, 2.0 / 3.0, 2.0]);
+    e.to_float() + ln * F32::splat(s, std::f32::consts::LOG2_E)
 }
 
 #[inline(always)]
 fn exp2<S: Lanes<W>, const W: usize>(s: S, x: F32<S, W>) -> F32<S, W> {
-    let c = |value: f32| F32::<S, W>::splat(s, value);
     // Arguments are at most 0: truncation after subtracting a half rounds to nearest.
-    let whole = (x - c(0.5)).trunc();
-    let f = (x - whole.to_float()) * c(std::f32::consts::LN_2);
-    let series =
-        (((((c(1.0 / 720.0) * f + c(1.0 / 120.0)) * f + c(1.0 / 24.0)) * f + c(1.0 / 6.0)) * f + c(0.5)) * f
-            + c(1.0))
-            * f
-            + c(1.0);
+    let whole = (x - F32::splat(s, 0.5)).trunc();
+    let f = (x - whole.to_float()) * F32::splat(s, std::f32::consts::LN_2);
+    let series = polynomial(s, f, &[1.0 / 720.0, 1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0]);
     (series.bits() + whole.shl::<23>()).floats()
+}
+
+/// Coefficients from the highest power down, by Horner's rule.
+#[inline(always)]
+fn polynomial<S: Lanes<W>, const W: usize>(s: S, x: F32<S, W>, coefficients: &[f32]) -> F32<S, W> {
+    let mut sum = F32::splat(s, coefficients[0]);
+    for &coefficient in &coefficients[1..] {
+        sum = sum * x + F32::splat(s, coefficient);
+    }
+    sum
 }
 
 #[cfg(test)]

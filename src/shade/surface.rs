@@ -123,10 +123,17 @@ impl Kernel for Orient<'_> {
             let turn = dot(ns, ng).sign();
             let length = dot(ns, ns).sqrt();
             let long_enough = F32::splat(s, 1.0e-6).lt(length);
-            let normal = |k: usize| long_enough.select(ns[k].flip(turn) / length, ng[k]);
-            store3([normal(0), normal(1), normal(2)], &mut surfaces.ns, at);
+            for k in 0..3 {
+                let normal = long_enough.select(ns[k].flip(turn) / length, ng[k]);
+                normal.store_at(&mut surfaces.ns[k], at);
+            }
         }
     }
+}
+
+#[inline(always)]
+pub(super) fn splat3<S: Simd>(s: S, v: glam::Vec3) -> [F32<S, 16>; 3] {
+    [F32::splat(s, v.x), F32::splat(s, v.y), F32::splat(s, v.z)]
 }
 
 #[inline(always)]

@@ -61,11 +61,17 @@ macro_rules! pair {
             }
             #[inline(always)]
             fn ishl<const N: i32>(self, a: Self::I) -> Self::I {
-                a.map(|x| crate::simd::Lanes::<$h>::ishl::<N>(self, x))
+                [
+                    crate::simd::Lanes::<$h>::ishl::<N>(self, a[0]),
+                    crate::simd::Lanes::<$h>::ishl::<N>(self, a[1]),
+                ]
             }
             #[inline(always)]
             fn ishr<const N: i32>(self, a: Self::I) -> Self::I {
-                a.map(|x| crate::simd::Lanes::<$h>::ishr::<N>(self, x))
+                [
+                    crate::simd::Lanes::<$h>::ishr::<N>(self, a[0]),
+                    crate::simd::Lanes::<$h>::ishr::<N>(self, a[1]),
+                ]
             }
             #[inline(always)]
             fn reduce_min(self, a: Self::F) -> f32 {

@@ -124,14 +124,13 @@ fn corners<S: Simd>(s: S, block: &TriBlock, frame: &Frame) -> [[F8<S>; 3]; 3] {
     let [iu, iv, iz] = frame.axes;
     let org = [F8::splat(s, frame.org[0]), F8::splat(s, frame.org[1]), F8::splat(s, frame.org[2])];
     let flip = I32::splat(s, frame.flip);
-    let corner = |v: &[[f32; 8]; 3]| {
-        [
-            F8::load(s, &v[iu]) - org[0],
-            F8::load(s, &v[iv]) - org[1],
-            (F8::load(s, &v[iz]) - org[2]).flip(flip),
-        ]
-    };
-    [corner(&block.v[0]), corner(&block.v[1]), corner(&block.v[2])]
+    let mut corners = [org; 3];
+    for (corner, v) in corners.iter_mut().zip(&block.v) {
+        corner[0] = F8::load(s, &v[iu]) - org[0];
+        corner[1] = F8::load(s, &v[iv]) - org[1];
+        corner[2] = (F8::load(s, &v[iz]) - org[2]).flip(flip);
+    }
+    corners
 }
 
 /// The corners of one triangle relative to the origin, in permuted axes: the same numbers as in [`Leaf::new`].

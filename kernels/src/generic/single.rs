@@ -168,11 +168,11 @@ fn leaf<S: Simd>(s: S, bvh: &BvhView, ray: &TravRay, node: NodeRef, best: &mut B
     let block = &bvh.blocks[block_index];
     let leaf = Leaf::new(s, block, &ray.frame);
     let d = [F8::splat(s, ray.d[0]), F8::splat(s, ray.d[1]), F8::splat(s, ray.d[2])];
-    let value = |f: &[F8<S>; 3]| f[0] * d[0] + f[1] * d[1] + f[2] * d[2];
-    let inside = value(&leaf.edges[0]).min(value(&leaf.edges[1])).min(value(&leaf.edges[2]));
+    let [e0, e1, e2] = &leaf.edges;
+    let inside = value(e0, &d).min(value(e1, &d)).min(value(e2, &d));
     // Inverse depth, with its bound, times depth: at least 1 if the hit may be as near as the best. The product is
     // off by another unit.
-    let w = value(&leaf.depth) * F8::splat(s, best.tfar);
+    let w = value(&leaf.depth, &d) * F8::splat(s, best.tfar);
     let mut left = !(inside.lt(F8::splat(s, 0.0)) | w.lt(F8::splat(s, SHRINK))).bits() & node.lanes();
     if left == 0 {
         return;
@@ -192,6 +192,11 @@ fn leaf<S: Simd>(s: S, bvh: &BvhView, ray: &TravRay, node: NodeRef, best: &mut B
             *best = Best { t, prim, slot: (block_index * 8 + lane) as u32, tfar: next_up(t) };
         }
     }
+}
+
+#[inline(always)]
+fn value<S: Simd>(f: &[F8<S>; 3], d: &[F8<S>; 3]) -> F8<S> {
+    f[0] * d[0] + f[1] * d[1] + f[2] * d[2]
 }
 
 /// A float at least as large as `t`.

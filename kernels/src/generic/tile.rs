@@ -242,16 +242,16 @@ fn children<S: Simd>(s: S, node: &Node, state: &State, subs: u32, stack: &mut St
 fn tile_test<S: Simd>(s: S, node: &Node, state: &State, planes: &mut Planes) -> u32 {
     let frame = &state.frame;
     let [iu, iv, iz] = frame.axes;
-    let plane = |axis: usize, side: usize, k: usize| {
-        F8::load(s, &node.bounds[2 * axis + side]) - F8::splat(s, frame.org[k])
-    };
     let negative = usize::from(frame.flip != 0);
     let flip = I32::splat(s, frame.flip);
     let zero = F8::splat(s, 0.0);
-    let (x0, x1) = (plane(iu, 0, 0), plane(iu, 1, 0));
-    let (y0, y1) = (plane(iv, 0, 1), plane(iv, 1, 1));
-    let z0 = plane(iz, negative, 2).flip(flip).max(zero);
-    let z1 = plane(iz, 1 - negative, 2).flip(flip);
+    let org = [F8::splat(s, frame.org[0]), F8::splat(s, frame.org[1]), F8::splat(s, frame.org[2])];
+    let x0 = F8::load(s, &node.bounds[2 * iu]) - org[0];
+    let x1 = F8::load(s, &node.bounds[2 * iu + 1]) - org[0];
+    let y0 = F8::load(s, &node.bounds[2 * iv]) - org[1];
+    let y1 = F8::load(s, &node.bounds[2 * iv + 1]) - org[1];
+    let z0 = (F8::load(s, &node.bounds[2 * iz + negative]) - org[2]).flip(flip).max(zero);
+    let z1 = (F8::load(s, &node.bounds[2 * iz + 1 - negative]) - org[2]).flip(flip);
     x0.store(&mut planes.x0);
     x1.store(&mut planes.x1);
     y0.store(&mut planes.y0);
@@ -259,16 +259,10 @@ fn tile_test<S: Simd>(s: S, node: &Node, state: &State, planes: &mut Planes) -> 
     z0.store(&mut planes.z0);
     z1.store(&mut planes.z1);
 
-    let least = |slope: f32| {
-        let slope = F8::splat(s, slope);
-        (slope * z0).min(slope * z1)
-    };
-    let greatest = |slope: f32| {
-        let slope = F8::splat(s, slope);
-        (slope * z0).max(slope * z1)
-    };
-    let across = least(state.tile_u[0]).le(x1) & x0.le(greatest(state.tile_u[1]));
-    let along = least(state.tile_v[0]).le(y1) & y0.le(greatest(state.tile_v[1]));
+    let (u0, u1) = (F8::splat(s, state.tile_u[0]), F8::splat(s, state.tile_u[1]));
+    let (v0, v1) = (F8::splat(s, state.tile_v[0]), F8::splat(s, state.tile_v[1]));
+    let across = (u0 * z0).min(u0 * z1).le(x1) & x0.le((u1 * z0).max(u1 * z1));
+    let along = (v0 * z0).min(v0 * z1).le(y1) & y0.le((v1 * z0).max(v1 * z1));
     let depth = zero.le(z1) & (z0 * F8::splat(s, state.tile_reach)).le(F8::splat(s, 1.0));
     (across & along & depth).bits()
 }
@@ -368,10 +362,9 @@ fn triangles<S: Simd>(s: S, block: &TriBlock, state: &State, lanes: u32) -> (u32
     let zero = F8::splat(s, 0.0);
     let (u0, u1) = (F8::splat(s, state.tile_u[0]), F8::splat(s, state.tile_u[1]));
     let (v0, v1) = (F8::splat(s, state.tile_v[0]), F8::splat(s, state.tile_v[1]));
-    let greatest = |f: &[F8<S>; 3]| (f[0] * u0).max(f[0] * u1) + ((f[1] * v0).max(f[1] * v1) + f[2]);
-    let mut outside = greatest(&leaf.depth).lt(F8::splat(s, state.tile_reach));
-    for edge in &leaf.edges {
-        outside = outside | greatest(edge).lt(zero);
+    let mut outside = greatest(&leaf.depth, u0, u1, v0, v1).lt(F8::splat(s, state.tile_reach));
+    for i in 0..3 {
+        outside = outside | greatest(&leaf.edges[i], u0, u1, v0, v1).lt(zero);
     }
     let left = !outside.bits() & lanes;
     if left == 0 {
@@ -394,21 +387,39 @@ fn triangles<S: Simd>(s: S, block: &TriBlock, state: &State, lanes: u32) -> (u32
     (left, k)
 }
 
+/// The greatest value of an affine function over a rectangle of slopes.
+#[inline(always)]
+fn greatest<S: Simd>(f: &[F8<S>; 3], u0: F8<S>, u1: F8<S>, v0: F8<S>, v1: F8<S>) -> F8<S> {
+    (f[0] * u0).max(f[0] * u1) + ((f[1] * v0).max(f[1] * v1) + f[2])
+}
+
+/// The affine function of triangle `lane` at slopes (u, v).
+#[inline(always)]
+fn affine<S: Simd>(s: S, f: &[[f32; 8]; 3], lane: usize, u: F16<S>, v: F16<S>) -> F16<S> {
+    let constant = F16::splat(s, f[2][lane]);
+    F16::splat(s, f[0][lane]).mul_add(u, F16::splat(s, f[1][lane]).mul_add(v, constant))
+}
+
 /// Which sub-packets may meet one triangle, lane = sub-packet.
 #[inline(always)]
 fn triangle_test<S: Simd>(s: S, k: &Coefficients, lane: usize, state: &State) -> u32 {
     let zero = F16::splat(s, 0.0);
-    let greatest = |f: &[[f32; 8]; 3], high: &[u32; 2]| {
-        let u = F16::load(s, &state.u[(high[0] >> lane & 1) as usize]);
-        let v = F16::load(s, &state.v[(high[1] >> lane & 1) as usize]);
-        let constant = F16::splat(s, f[2][lane]);
-        F16::splat(s, f[0][lane]).mul_add(u, F16::splat(s, f[1][lane]).mul_add(v, constant))
-    };
-    let mut outside = greatest(&k.depth, &k.depth_high).lt(F16::load(s, &state.reach));
+    let [u, v] = highest(s, state, &k.depth_high, lane);
+    let mut outside = affine(s, &k.depth, lane, u, v).lt(F16::load(s, &state.reach));
     for i in 0..3 {
-        outside = outside | greatest(&k.edges[i], &k.edge_high[i]).lt(zero);
+        let [u, v] = highest(s, state, &k.edge_high[i], lane);
+        outside = outside | affine(s, &k.edges[i], lane, u, v).lt(zero);
     }
     !outside.bits()
+}
+
+/// The corners of the sub-packets' slope rectangles where an affine function of triangle `lane` is greatest.
+#[inline(always)]
+fn highest<S: Simd>(s: S, state: &State, high: &[u32; 2], lane: usize) -> [F16<S>; 2] {
+    [
+        F16::load(s, &state.u[(high[0] >> lane & 1) as usize]),
+        F16::load(s, &state.v[(high[1] >> lane & 1) as usize]),
+    ]
 }
 
 /// Tests the sixteen rays of a sub-packet against one triangle; true if any was decided.
@@ -426,12 +437,9 @@ fn rays<S: Simd, const ANY: bool>(
     let at = sub * SUB;
     let u = F16::load_at(s, &packet.u, at);
     let v = F16::load_at(s, &packet.v, at);
-    let value = |f: &[[f32; 8]; 3]| {
-        let constant = F16::splat(s, f[2][lane]);
-        F16::splat(s, f[0][lane]).mul_add(u, F16::splat(s, f[1][lane]).mul_add(v, constant))
-    };
-    let inside = value(&k.edges[0]).min(value(&k.edges[1])).min(value(&k.edges[2]));
-    let w = value(&k.depth);
+    let [e0, e1, e2] = &k.edges;
+    let inside = affine(s, e0, lane, u, v).min(affine(s, e1, lane, u, v)).min(affine(s, e2, lane, u, v));
+    let w = affine(s, &k.depth, lane, u, v);
     let lo = F16::load_at(s, &state.lo, at);
     let candidate = F16::splat(s, 0.0).le(inside) & lo.le(w);
     let live = u32::from(state.live[sub]);

@@ -12,7 +12,7 @@ use super::{
 use crate::{
     exact::Canonical,
     node::BvhView,
-    packet::{MISS, SUB, SUBS, TILE_RAYS, TileHits, TilePacket},
+    packet::{MISS, SUB, SUBS, TileHits, TilePacket},
     simd::Simd,
     vector::I32,
 };
@@ -27,12 +27,12 @@ pub(crate) fn hits<S: Simd>(
     bvh: &BvhView,
     packet: &TilePacket,
     frame: &Frame,
-    slots: &[u32; TILE_RAYS],
+    slots: &[[u32; SUB]; SUBS],
     hits: &mut TileHits,
 ) {
     for sub in 0..SUBS {
         let at = sub * SUB;
-        let slots: &[u32; SUB] = slots[at..at + SUB].try_into().expect("16 lanes");
+        let slots = &slots[sub];
         let slots_v = I32::<S, 16>::load(s, slots);
         let active = u32::from(packet.active[sub]);
         let missed = slots_v.eq(I32::splat(s, NO_SLOT)).bits() & active;

@@ -1,0 +1,167 @@
+//! The common-origin tile kernel: 256 rays against the tree, closest hit and occlusion.
+//!
+//! The structure is that of multi-level culling (Reshetov 2005; Wald 2007; Boulos 2006) with the arithmetic of
+//! edge functions over slopes (Davidovic 2012, "3D rasterization"): see the crate's documentation for the picture.
+//!
+//! * `walk`: the tree; boxes against the tile's frustum (lane = child), then against its sub-packets' (lane =
+//!   sub-packet).
+//! * `triangles`: a leaf's triangles set up at once (lane = triangle), each against the sub-packets (lane =
+//!   sub-packet), and only where that leaves doubt against rays (lane = ray).
+//!
+//! # Why culling never loses a hit
+//!
+//! Vertices relative to the origin are rounded once, fl(v - o); box planes likewise, and since rounding is monotonic
+//! fl(box - o) still encloses every fl(v - o). An exact hit lies within the rounded triangle, hence within the
+//! rounded box. The comparisons below are products of floats against floats: if a real product is <= x then so is
+//! the rounded one, so none of them can reject what real arithmetic would keep. Depth is compared as
+//! z0 * inverse_depth <= 1, where the inverse depth is a lower bound of the best hit's: the same argument holds.
+
+mod triangles;
+mod walk;
+
+use super::{F16, Frame, doubt::NO_SLOT, finish};
+use crate::{
+    node::{BvhView, EMPTY_NODE, NodeRef},
+    packet::{SUBS, TileHits, TilePacket},
+    simd::Simd,
+    vector::Mask,
+};
+use triangles::Coefficients;
+use walk::Planes;
+
+/// Sixteen floats for each sub-packet: one per ray.
+type Rays = [[f32; 16]; SUBS];
+
+/// What a packet knows while it is traced.
+#[repr(C, align(64))]
+struct State {
+    /// Interval of the best inverse depth so far; infinite for rays that take no part.
+    lo: Rays,
+    hi: Rays,
+    /// The best triangle so far.
+    slot: [[u32; 16]; SUBS],
+    /// Slope rectangle of each sub-packet: `[least, greatest]`.
+    u: [[f32; SUBS]; 2],
+    v: [[f32; SUBS]; 2],
+    /// Least `lo` of each sub-packet: no ray of it needs anything farther.
+    reach: [f32; SUBS],
+    /// Greatest inverse of `tfar` of each sub-packet: anything nearer blocks all its rays.
+    ceiling: [f32; SUBS],
+    /// Working space of `walk` and `triangles`.
+    planes: Planes,
+    triangles: Coefficients,
+    /// Rays still to be decided.
+    live: [u16; SUBS],
+    /// Sub-packets with such rays.
+    live_subs: u32,
+    /// Slope rectangle and reach of the whole tile.
+    tile_u: [f32; 2],
+    tile_v: [f32; 2],
+    tile_reach: f32,
+    frame: Frame,
+}
+
+/// First hits of all active rays.
+#[inline(always)]
+pub(crate) fn intersect<S: Simd>(s: S, bvh: &BvhView, packet: &TilePacket, hits: &mut TileHits) {
+    let mut state = State::new(s, packet);
+    walk::traverse::<S, false>(s, bvh, packet, &mut state, bvh.root);
+    finish::hits(s, bvh, packet, &state.frame, &state.slot, hits);
+}
+
+/// The rays that something blocks between the origin and `tfar`, as bits like [`TilePacket::active`].
+///
+/// `seed` is a subtree to try first, typically the leaf that blocked the previous packet; it is replaced by the leaf
+/// that blocked a ray last. It changes the time, never the answer.
+#[inline(always)]
+pub(crate) fn occluded<S: Simd>(
+    s: S,
+    bvh: &BvhView,
+    packet: &TilePacket,
+    seed: &mut NodeRef,
+    blocked: &mut [u16; SUBS],
+) {
+    let mut state = State::new(s, packet);
+    let mut last = EMPTY_NODE;
+    if *seed != EMPTY_NODE && seed.block() < bvh.blocks.len() {
+        let subs = state.live_subs;
+        last = triangles::leaf::<S, true>(s, bvh, packet, &mut state, *seed, subs, last);
+    }
+    if state.live_subs != 0 {
+        let found = walk::traverse::<S, true>(s, bvh, packet, &mut state, bvh.root);
+        last = if found == EMPTY_NODE { last } else { found };
+    }
+    *seed = last;
+    for sub in 0..SUBS {
+        blocked[sub] = packet.active[sub] & !state.live[sub];
+    }
+}
+
+impl State {
+    #[inline(always)]
+    fn new<S: Simd>(s: S, packet: &TilePacket) -> State {
+        let mut state = State {
+            lo: [[0.0; 16]; SUBS],
+            hi: [[0.0; 16]; SUBS],
+            slot: [[NO_SLOT; 16]; SUBS],
+            u: [[f32::INFINITY; SUBS], [f32::NEG_INFINITY; SUBS]],
+            v: [[f32::INFINITY; SUBS], [f32::NEG_INFINITY; SUBS]],
+            reach: [f32::INFINITY; SUBS],
+            ceiling: [f32::INFINITY; SUBS],
+            planes: Planes::EMPTY,
+            triangles: Coefficients::EMPTY,
+            live: packet.active,
+            live_subs: 0,
+            tile_u: [0.0; 2],
+            tile_v: [0.0; 2],
+            tile_reach: 0.0,
+            frame: Frame::new(packet.org, packet.face),
+        };
+        for sub in 0..SUBS {
+            if packet.active[sub] != 0 {
+                state.live_subs |= 1 << sub;
+                state.sub_packet(s, packet, sub);
+            }
+        }
+        state.tile_u = [F16::load(s, &state.u[0]).reduce_min(), F16::load(s, &state.u[1]).reduce_max()];
+        state.tile_v = [F16::load(s, &state.v[0]).reduce_min(), F16::load(s, &state.v[1]).reduce_max()];
+        state.tile_reach = F16::load(s, &state.reach).reduce_min();
+        state
+    }
+
+    /// Bounds of one sub-packet.
+    #[inline(always)]
+    fn sub_packet<S: Simd>(&mut self, s: S, packet: &TilePacket, sub: usize) {
+        let infinity = F16::splat(s, f32::INFINITY);
+        let active = Mask::from_bits(s, u32::from(packet.active[sub]));
+        // 1 / tfar is off by half a unit: these factors enclose it.
+        let inverse = F16::splat(s, 1.0) / F16::load(s, &rays(&packet.tfar)[sub]);
+        let lo = active.select(inverse * F16::splat(s, 1.0 - 2.5e-7), infinity);
+        let hi = active.select(inverse * F16::splat(s, 1.0 + 2.5e-7), infinity);
+        lo.store(&mut self.lo[sub]);
+        hi.store(&mut self.hi[sub]);
+        self.reach[sub] = lo.reduce_min();
+        self.ceiling[sub] = hi.reduce_max();
+        let u = F16::load(s, &rays(&packet.u)[sub]);
+        let v = F16::load(s, &rays(&packet.v)[sub]);
+        self.u[0][sub] = active.select(u, infinity).reduce_min();
+        self.u[1][sub] = active.select(u, -infinity).reduce_max();
+        self.v[0][sub] = active.select(v, infinity).reduce_min();
+        self.v[1][sub] = active.select(v, -infinity).reduce_max();
+    }
+
+    /// Sub-packets of `subs` that are still looking for something as near as depth `near`.
+    #[inline(always)]
+    fn interested<S: Simd>(&self, s: S, near: f32, subs: u32) -> u32 {
+        let near = F16::splat(s, near);
+        let within = (near * F16::load(s, &self.reach)).le(F16::splat(s, 1.0));
+        within.bits() & subs & self.live_subs
+    }
+}
+
+/// A packet's array by sub-packet.
+#[inline(always)]
+fn rays<T>(array: &[T; 256]) -> &[[T; 16]; SUBS] {
+    const { assert!(SUBS * crate::packet::SUB == 256) };
+    array.as_chunks::<16>().0.try_into().expect("16 x 16 rays")
+}

@@ -6,13 +6,16 @@
 //!
 //! # Error bounds
 //!
-//! With e = 2^-24 and |.| the 1-norm, for |u|, |v| <= 1, fused or not:
+//! Let e = 2^-24, and let the *permanent* perm(p x q) be the cross product with all its products made positive: an
+//! axis-aligned wall has an exact normal, and a small permanent says so. For |u|, |v| <= 1, fused or not:
 //!
 //! * The edge normal of b and c is (b + c) x (c - b) = 2 b x c. Sum and difference are off by e each, products and
-//!   their difference by e each, the evaluation by 3 e: at most 8 e (|b| + |c|) |c - b| in all. `K` = 16 e allows
-//!   twice that, which also covers adding the bound itself, and evaluation at the corner of a slope rectangle.
-//! * With E = |b - a| |c - a| >= |n| and g = E |a| / |n . a|, the inverse depth is off by at most
-//!   (E / |n . a|) (9 e + 8 e g); again `K` allows about twice that. It holds while n . a is known to a few per cent:
+//!   their difference by e each, the evaluation by 3 e: at most 7 e times the sum of the permanent's components in
+//!   all. `K` = 16 e allows twice that, which also covers adding the bound itself, and evaluation at the corner of a
+//!   slope rectangle.
+//! * With P = the sum of perm((b - a) x (c - a)) and A = its dot product with |a|, the numerator n . d is off by 7 e P
+//!   and the denominator n . a by 7 e A. With g = A / |n . a|, the inverse depth is off by at most
+//!   (P / |n . a|) (7 e + 7 e g); again `K` allows about twice that. It holds while n . a is known to a few per cent:
 //!   where it is not, the triangle is *doubtful* and every ray that might meet it is decided exactly.
 //! * `TINY` stands above anything that underflow can hide.
 //!
@@ -41,14 +44,13 @@ pub(crate) struct Leaf<S: Simd> {
     pub(crate) depth_doubt: F8<S>,
 }
 
+/// The cross product and its permanent.
 #[inline(always)]
-fn norm1<S: Simd>(v: [F8<S>; 3]) -> F8<S> {
-    v[0].abs() + v[1].abs() + v[2].abs()
-}
-
-#[inline(always)]
-fn cross<S: Simd>(a: [F8<S>; 3], b: [F8<S>; 3]) -> [F8<S>; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+fn cross<S: Simd>(a: [F8<S>; 3], b: [F8<S>; 3]) -> ([F8<S>; 3], [F8<S>; 3]) {
+    let (x0, x1) = (a[1] * b[2], a[2] * b[1]);
+    let (y0, y1) = (a[2] * b[0], a[0] * b[2]);
+    let (z0, z1) = (a[0] * b[1], a[1] * b[0]);
+    ([x0 - x1, y0 - y1, z0 - z1], [x0.abs() + x1.abs(), y0.abs() + y1.abs(), z0.abs() + z1.abs()])
 }
 
 #[inline(always)]
@@ -65,37 +67,31 @@ impl<S: Simd> Leaf<S> {
     #[inline(always)]
     pub(crate) fn new(s: S, block: &TriBlock, frame: &Frame) -> Leaf<S> {
         let [a, b, c] = corners(s, block, frame);
-        let (e1, e2) = (sub(b, a), sub(c, a));
-        let n = cross(e1, e2);
+        let (n, perm) = cross(sub(b, a), sub(c, a));
         let na = n[0] * a[0] + n[1] * a[1] + n[2] * a[2];
         let orient = na.sign();
-        let (la, lb, lc) = (norm1(a), norm1(b), norm1(c));
 
         let k = F8::splat(s, K);
+        let one = F8::splat(s, 1.0);
         let tiny = F8::splat(s, TINY);
-        let inverse = F8::splat(s, 1.0) / na;
-        let spread = norm1(e1) * norm1(e2);
-        let ratio = spread * inverse.abs();
-        let g = ratio * la;
+        let inverse = one / na;
+        let distance = [a[0].abs(), a[1].abs(), a[2].abs()];
+        let ratio = (perm[0] + perm[1] + perm[2]) * inverse.abs();
+        let g = (perm[0] * distance[0] + perm[1] * distance[1] + perm[2] * distance[2]) * inverse.abs();
         // False for NaN as well: then everything about the triangle is doubtful.
-        let sound = g.lt(F8::splat(s, (1 << 17) as f32)) & tiny.lt(na.abs());
-        let bound = ratio * k * (F8::splat(s, 1.0) + g);
+        let least = tiny * (one + distance[0] + distance[1] + distance[2]);
+        let sound = g.lt(F8::splat(s, (1 << 17) as f32)) & least.lt(na.abs());
+        let bound = ratio * k * (one + g);
         let depth = planes(s, sound, [n[0] * inverse, n[1] * inverse, n[2] * inverse], bound);
 
         let mut edges = [depth; 3];
         let mut worst = tiny;
-        let pairs = [(b, c, lb + lc), (c, a, lc + la), (a, b, la + lb)];
-        for (edge, (p, q, size)) in edges.iter_mut().zip(pairs) {
-            let r = sub(q, p);
-            let normal = cross(add(p, q), r);
-            let bound = size * norm1(r) * k + tiny;
+        for (edge, (p, q)) in edges.iter_mut().zip([(b, c), (c, a), (a, b)]) {
+            let (normal, perm) = cross(add(p, q), sub(q, p));
+            let bound = (perm[0] + perm[1] + perm[2]) * k + tiny;
             worst = worst.max(bound);
-            *edge = planes(
-                s,
-                sound,
-                [normal[0].flip(orient), normal[1].flip(orient), normal[2].flip(orient)],
-                bound,
-            );
+            let normal = [normal[0].flip(orient), normal[1].flip(orient), normal[2].flip(orient)];
+            *edge = planes(s, sound, normal, bound);
         }
         let infinity = F8::splat(s, f32::INFINITY);
         Leaf {

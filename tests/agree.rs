@@ -80,6 +80,7 @@ fn random_packet(random: &mut Random, org: Vec3, spread: f32) -> TilePacket {
             0 => 0.2 + random.signed().abs(),
             _ => f32::INFINITY,
         };
+        packet.skip[ray] = if random.below(4) == 0 { random.below(8) as u32 } else { MISS };
     }
     for active in &mut packet.active {
         *active = match random.below(4) {
@@ -193,7 +194,13 @@ fn single_rays_in_any_direction_agree_with_brute_force() {
         }
         let tnear = if random.below(3) == 0 { 0.3 / dir.length() } else { 0.0 };
         let tfar = if random.below(3) == 0 { 1.0 / dir.length() } else { f32::INFINITY };
-        let ray = Ray { org: org.to_array(), dir: dir.to_array(), tnear, tfar };
+        let ray = Ray {
+            org: org.to_array(),
+            dir: dir.to_array(),
+            tnear,
+            tfar,
+            skip: random.below(mesh.len()) as u32,
+        };
         let want = if dir == Vec3::ZERO { Hit::MISS } else { brute_force(&mesh, &ray) };
         for kernels in kernels() {
             same("single", &kernels, &ray, kernels.intersect(&bvh.view(), &ray), want);
@@ -206,7 +213,7 @@ fn single_rays_in_any_direction_agree_with_brute_force() {
 fn rays_without_a_meaning_miss() {
     let mesh = sphere(Vec3::ZERO, 1.0, 8);
     let bvh = build(&mesh);
-    let good = Ray { org: [0.0; 3], dir: [0.0, 0.0, 1.0], tnear: 0.0, tfar: f32::INFINITY };
+    let good = Ray { org: [0.0; 3], dir: [0.0, 0.0, 1.0], tnear: 0.0, tfar: f32::INFINITY, skip: MISS };
     let bad = [
         Ray { dir: [0.0; 3], ..good },
         Ray { dir: [f32::NAN, 0.0, 1.0], ..good },
@@ -235,7 +242,7 @@ fn the_depth_interval_is_closed_at_both_ends() {
         Vec3::new(-1.0, 3.0, 2.0),
     ]]);
     let bvh = build(&mesh);
-    let ray = Ray { org: [0.0; 3], dir: [0.0, 0.0, 1.0], tnear: 2.0, tfar: 2.0 };
+    let ray = Ray { org: [0.0; 3], dir: [0.0, 0.0, 1.0], tnear: 2.0, tfar: 2.0, skip: MISS };
     for kernels in kernels() {
         assert_eq!(kernels.intersect(&bvh.view(), &ray).t, 2.0);
         assert!(kernels.occluded(&bvh.view(), &ray));

@@ -105,7 +105,7 @@ pub(crate) fn brute_force(mesh: &TriangleMesh, ray: &Ray) -> Hit {
     let d = permute(ray.dir);
     let mut best = Hit::MISS;
     let mut best_t = f64::INFINITY;
-    for prim in 0..mesh.len() {
+    for prim in (0..mesh.len()).filter(|&prim| prim as u32 != ray.skip) {
         let relative = |p: Vec3| {
             let p = p.to_array();
             permute([p[0] - ray.org[0], p[1] - ray.org[1], p[2] - ray.org[2]])

@@ -20,6 +20,8 @@ pub struct Ray {
     pub tnear: f32,
     /// Greatest depth that counts as a hit (inclusive).
     pub tfar: f32,
+    /// A primitive that does not count, typically the one that the ray starts or ends on; [`MISS`] for none.
+    pub skip: u32,
 }
 
 /// Where a ray hits first.
@@ -114,6 +116,8 @@ pub struct TilePacket {
     pub v: [f32; TILE_RAYS],
     /// Greatest depth that counts as a hit (inclusive), > 0; infinity is fine.
     pub tfar: [f32; TILE_RAYS],
+    /// A primitive that does not count for this ray, typically the one that it ends on; [`MISS`] for none.
+    pub skip: [u32; TILE_RAYS],
     /// Bit `i` of `active[s]`: ray `16 s + i` takes part. The values of the others do not matter.
     pub active: [u16; SUBS],
     /// Common origin.
@@ -129,6 +133,7 @@ impl TilePacket {
             u: [0.0; TILE_RAYS],
             v: [0.0; TILE_RAYS],
             tfar: [f32::INFINITY; TILE_RAYS],
+            skip: [MISS; TILE_RAYS],
             active: [0; SUBS],
             org: [0.0; 3],
             face: Face::ALL[0],
@@ -138,7 +143,7 @@ impl TilePacket {
     /// Ray `i` as a single ray: exactly the one that the tile kernel traces.
     pub fn ray(&self, i: usize) -> Ray {
         let dir = self.face.direction(self.u[i], self.v[i]);
-        Ray { org: self.org, dir, tnear: 0.0, tfar: self.tfar[i] }
+        Ray { org: self.org, dir, tnear: 0.0, tfar: self.tfar[i], skip: self.skip[i] }
     }
 }
 

@@ -126,7 +126,13 @@ impl RenderTask<'_> {
         clock.shade();
         clock.report.rays.shadow += match *light {
             Light::Point { position, .. } | Light::Spot { position, .. } => {
-                let stream = ShadowRays { u: &rays.u, v: &rays.v, tfar: &rays.limit, face: &rays.face };
+                let stream = ShadowRays {
+                    u: &rays.u,
+                    v: &rays.v,
+                    tfar: &rays.limit,
+                    skip: &surfaces.prim,
+                    face: &rays.face,
+                };
                 let origin = position.to_array();
                 shadows.trace(&self.traversal, origin, &stream, &mut seeds[index], &mut rays.visible)
             }

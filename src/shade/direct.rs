@@ -38,7 +38,13 @@ impl LightRays {
     /// The ray from the surface of ray `i` towards a directional light that shines along `direction`.
     pub fn directional_ray(&self, surfaces: &Surfaces, i: usize, direction: Vec3) -> Ray {
         let org = [surfaces.point[0][i], surfaces.point[1][i], surfaces.point[2][i]];
-        Ray { org, dir: (-direction).to_array(), tnear: self.limit[i], tfar: f32::INFINITY }
+        Ray {
+            org,
+            dir: (-direction).to_array(),
+            tnear: self.limit[i],
+            tfar: f32::INFINITY,
+            skip: surfaces.prim[i],
+        }
     }
 }
 

@@ -29,6 +29,7 @@ struct TravRay {
     /// Direction in the frame: the last component is the largest and positive.
     d: [f32; 3],
     tnear: f32,
+    skip: u32,
 }
 
 impl TravRay {
@@ -46,7 +47,15 @@ impl TravRay {
             return None;
         }
         let negative = ray.dir.map(|x| usize::from(x.is_sign_negative()));
-        Some(TravRay { org: ray.org, rdir: ray.dir.map(|x| 1.0 / x), negative, frame, d, tnear })
+        Some(TravRay {
+            org: ray.org,
+            rdir: ray.dir.map(|x| 1.0 / x),
+            negative,
+            frame,
+            d,
+            tnear,
+            skip: ray.skip,
+        })
     }
 }
 
@@ -181,12 +190,15 @@ fn leaf<S: Simd>(s: S, bvh: &BvhView, ray: &TravRay, node: NodeRef, best: &mut B
     while left != 0 {
         let lane = left.trailing_zeros() as usize;
         left &= left - 1;
+        let prim = block.prim[lane];
+        if prim == ray.skip {
+            continue;
+        }
         let [a, b, c] = triangle(block, lane, &ray.frame);
         if sure >> lane & 1 == 0 && !passes(a, b, c, ray.d) {
             continue;
         }
         let t = Canonical::new(a, b, c).depth(ray.d.map(f64::from));
-        let prim = block.prim[lane];
         // At t = tfar the interval is closed; equal depths go to the lower primitive.
         if t >= f64::from(ray.tnear) && (t < best.t || (t == best.t && prim < best.prim)) {
             *best = Best { t, prim, slot: (block_index * 8 + lane) as u32, tfar: next_up(t) };

@@ -19,7 +19,7 @@ use crate::{
     node::{BvhView, NodeRef, TriBlock},
     packet::{SUB, SUBS, TilePacket},
     simd::Simd,
-    vector::I32,
+    vector::{I32, Mask},
 };
 
 /// Coefficients of the triangles that survive the tile test, in memory so that they can be broadcast.
@@ -83,16 +83,12 @@ pub(super) fn leaf<S: Simd, const ANY: bool>(
         let lane = (left.trailing_zeros() & 7) as usize;
         left &= left - 1;
         let slot = (block_index * 8 + lane) as u32;
+        let prim = bvh.blocks[block_index].prim[lane];
         let (mut wanted, mut covered) = sub_packets::<S, ANY>(s, lane, state, subs);
-        if ANY {
-            touched |= covered;
-        }
         while covered != 0 {
             let sub = (covered.trailing_zeros() & 15) as usize;
             covered &= covered - 1;
-            if ANY {
-                state.live[sub] = 0;
-            } else if cover(s, packet, state, lane, sub, slot) {
+            if cover::<S, ANY>(s, packet, state, lane, sub, slot, prim) {
                 touched |= 1 << sub;
             } else {
                 wanted |= 1 << sub;
@@ -101,7 +97,7 @@ pub(super) fn leaf<S: Simd, const ANY: bool>(
         while wanted != 0 {
             let sub = (wanted.trailing_zeros() & 15) as usize;
             wanted &= wanted - 1;
-            if test::<S, ANY>(s, bvh, packet, state, lane, sub, slot) {
+            if test::<S, ANY>(s, bvh, packet, state, lane, sub, slot, prim) {
                 touched |= 1 << sub;
             }
         }
@@ -176,7 +172,22 @@ fn sub_packets<S: Simd, const ANY: bool>(s: S, lane: usize, state: &State, subs:
 /// The rays of a sub-packet that lies inside the triangle: it becomes the nearest hit of all of them if it is beyond
 /// doubt; otherwise nothing changes.
 #[inline(always)]
-fn cover<S: Simd>(s: S, packet: &TilePacket, state: &mut State, lane: usize, sub: usize, slot: u32) -> bool {
+fn cover<S: Simd, const ANY: bool>(
+    s: S,
+    packet: &TilePacket,
+    state: &mut State,
+    lane: usize,
+    sub: usize,
+    slot: u32,
+    prim: u32,
+) -> bool {
+    if skipping(s, packet, sub, prim) != 0 {
+        return false;
+    }
+    if ANY {
+        state.live[sub] = 0;
+        return true;
+    }
     let u = F16::load(s, &rays(&packet.u)[sub]);
     let v = F16::load(s, &rays(&packet.v)[sub]);
     let w = state.triangles.value(s, DEPTH, lane, u, v);
@@ -201,6 +212,7 @@ fn test<S: Simd, const ANY: bool>(
     lane: usize,
     sub: usize,
     slot: u32,
+    prim: u32,
 ) -> bool {
     let k = &state.triangles;
     let u = F16::load(s, &rays(&packet.u)[sub]);
@@ -210,18 +222,19 @@ fn test<S: Simd, const ANY: bool>(
     let lo = F16::load(s, &state.lo[sub]);
     let candidate = F16::splat(s, 0.0).le(inside) & lo.le(w);
     let live = u32::from(state.live[sub]);
-    let candidates = candidate.bits() & live;
+    let mut candidates = candidate.bits() & live;
     if candidates == 0 {
         return false;
     }
+    candidates &= !skipping(s, packet, sub, prim);
     let hi = F16::load(s, &state.hi[sub]);
     let w_lo = w - F16::splat(s, k.depth_doubt[lane]);
     let sure = candidate & F16::splat(s, k.edge_doubt[lane]).lt(inside) & hi.lt(w_lo);
-    let sure_bits = sure.bits() & live;
+    let sure_bits = sure.bits() & candidates;
     if ANY {
         state.live[sub] &= !(sure_bits as u16);
     } else {
-        // Rays that take no part have hi = infinity, so they are never sure.
+        let sure = Mask::from_bits(s, sure_bits);
         sure.select(w_lo, lo).store(&mut state.lo[sub]);
         sure.select(w, hi).store(&mut state.hi[sub]);
         let slots = I32::load(s, &state.slot[sub]);
@@ -233,6 +246,12 @@ fn test<S: Simd, const ANY: bool>(
         decided |= settle::<ANY>(bvh, packet, state, doubtful, sub, slot);
     }
     decided
+}
+
+/// The rays of a sub-packet for which a primitive does not count.
+#[inline(always)]
+fn skipping<S: Simd>(s: S, packet: &TilePacket, sub: usize, prim: u32) -> u32 {
+    I32::load(s, &rays(&packet.skip)[sub]).eq(I32::<S, 16>::splat(s, prim)).bits()
 }
 
 /// Decides the doubtful rays of a sub-packet exactly; true if one hits.

@@ -18,4 +18,5 @@ pub mod film;
 pub mod schedule;
 pub mod render;
 pub mod output;
+pub mod study;
 pub mod report;

@@ -166,16 +166,10 @@ impl Embree {
             let set_quality = self.get::<unsafe extern "C" fn(Handle, u32)>("rtcSetSceneBuildQuality")?;
             let set_flags = self.get::<unsafe extern "C" fn(Handle, u32)>("rtcSetSceneFlags")?;
             let new_geometry = self.get::<unsafe extern "C" fn(Handle, u32) -> Handle>("rtcNewGeometry")?;
-            let buffer = self.get::<unsafe extern "C" fn(
-                Handle,
-                u32,
-                u32,
-                u32,
-                *const c_void,
-                usize,
-                usize,
-                usize,
-            )>("rtcSetSharedGeometryBuffer")?;
+            let buffer =
+                self.get::<unsafe extern "C" fn(Handle, u32, u32, u32, *const c_void, usize, usize, usize)>(
+                    "rtcSetSharedGeometryBuffer",
+                )?;
             let commit_geometry = self.get::<unsafe extern "C" fn(Handle)>("rtcCommitGeometry")?;
             let attach = self.get::<unsafe extern "C" fn(Handle, Handle) -> u32>("rtcAttachGeometry")?;
             let release = self.get::<unsafe extern "C" fn(Handle)>("rtcReleaseGeometry")?;
@@ -214,9 +208,9 @@ impl Drop for Embree {
 /// A folder stands for the library inside it (as in an unpacked Python wheel).
 fn find(path: &Path) -> PathBuf {
     let inside = std::fs::read_dir(path).ok().and_then(|entries| {
-        entries
-            .filter_map(|entry| Some(entry.ok()?.path()))
-            .find(|path| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("libembree4")))
+        entries.filter_map(|entry| Some(entry.ok()?.path())).find(|path| {
+            path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("libembree4"))
+        })
     });
     inside.unwrap_or_else(|| path.into())
 }
@@ -274,7 +268,13 @@ impl Scene<'_> {
         self.trace(rays, coherent, self.entries.occluded1, self.entries.occluded);
     }
 
-    fn trace<const W: usize>(&self, rays: &mut [Rays<W>], coherent: bool, one: TraceOne, many: [TraceMany; 3]) {
+    fn trace<const W: usize>(
+        &self,
+        rays: &mut [Rays<W>],
+        coherent: bool,
+        one: TraceOne,
+        many: [TraceMany; 3],
+    ) {
         let arguments = Arguments {
             flags: if coherent { COHERENT } else { 0 },
             feature_mask: u32::MAX,

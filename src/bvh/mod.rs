@@ -10,11 +10,13 @@
 //! Boxes always enclose whole triangles: obvhs' spatial splits are not used, because the kernels' proof that no hit
 //! is lost needs every vertex inside every box above it.
 
+mod baseline;
 mod build;
 mod collapse;
 mod report;
 mod validate;
 
+pub use baseline::Baseline;
 pub use build::BuildPreset;
 pub use report::TreeReport;
 pub use validate::Violation;

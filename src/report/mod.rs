@@ -1,5 +1,6 @@
 //! What irt found out, for people and for programs: summaries, statistics, and tables in four formats.
 
+mod bench;
 mod csv;
 mod json;
 mod markdown;
@@ -9,6 +10,7 @@ mod summary;
 mod table;
 mod terminal;
 
+pub use bench::{BenchRow, bench_summary, bench_table};
 pub use json::to_json;
 pub use number::{bytes, count, significant};
 pub use statistics::Statistics;

@@ -14,7 +14,7 @@ mod tests;
 
 pub use control::{Control, Progress};
 pub use master::{FrameStats, Master, WorkerStats, with_workers};
-pub use pin::{Machine, Pinned, Placement};
+pub use pin::{Machine, Pinned, Placement, pin_current_thread};
 pub use topology::Topology;
 
 use crate::error::Error;

@@ -99,7 +99,7 @@ impl fmt::Display for Pinned {
 }
 
 /// Pins the calling thread to `cpu`, if any.
-pub(super) fn pin_current_thread(cpu: Option<usize>) -> Pinned {
+pub fn pin_current_thread(cpu: Option<usize>) -> Pinned {
     let Some(id) = cpu else { return Pinned::Free };
     let done = id <= LARGEST_CPU && core_affinity::set_for_current(core_affinity::CoreId { id });
     if done { Pinned::Cpu(id) } else { Pinned::Refused(id) }

@@ -1,0 +1,166 @@
+//! Our own kernels as modes.
+
+use super::{Engine, RaySet, timer::Mode};
+use crate::{
+    bvh::Bvh,
+    kernels::{Kernels, MISS, NodeRef, SUB, TILE_RAYS, TileHits},
+    study::bench::rays::{Kind, Stream},
+    trace::{KernelChoice, NO_OCCLUDER, PointShadows, Traversal},
+};
+
+/// Rays in a unit of single rays.
+const UNIT: usize = 4096;
+/// Packets in a unit of packets.
+const PACKETS: usize = 16;
+
+/// All modes for a set of rays.
+pub(super) fn modes<'a>(bvh: &'a Bvh, kernels: Kernels, set: &'a RaySet) -> Vec<Box<dyn Mode + 'a>> {
+    let tile = Traversal::new(bvh, kernels, KernelChoice::Tile);
+    let common = Common { traversal: tile, set };
+    let mut modes: Vec<Box<dyn Mode + 'a>> = Vec::new();
+    match set.kind() {
+        Kind::Primary => modes.push(Box::new(Tiles(common))),
+        Kind::Shadow => modes.push(Box::new(Streams(common))),
+        Kind::Mirror | Kind::Diffuse | Kind::CommonDirection => {}
+    }
+    modes.push(Box::new(Single(common)));
+    modes
+}
+
+#[derive(Clone, Copy)]
+struct Common<'a> {
+    traversal: Traversal<'a>,
+    set: &'a RaySet,
+}
+
+impl Common<'_> {
+    fn isa(&self) -> String {
+        self.traversal.kernels().isa().name().into()
+    }
+}
+
+/// Primary packets through the common-origin kernel.
+struct Tiles<'a>(Common<'a>);
+
+impl Mode for Tiles<'_> {
+    fn engine(&self) -> Engine {
+        Engine::Irt
+    }
+
+    fn isa(&self) -> String {
+        self.0.isa()
+    }
+
+    fn kernel(&self) -> String {
+        "tile".into()
+    }
+
+    fn width(&self) -> usize {
+        TILE_RAYS
+    }
+
+    fn units(&self) -> usize {
+        self.0.set.packets().len().div_ceil(PACKETS)
+    }
+
+    fn worker(&self) -> Box<dyn FnMut(usize) -> u64 + '_> {
+        let mut results = vec![TileHits::new(); PACKETS];
+        Box::new(move |unit| {
+            let packets = self.0.set.packets().chunks(PACKETS).nth(unit).unwrap_or_default();
+            let mut hits = 0;
+            for (packet, result) in packets.iter().zip(&mut results) {
+                self.0.traversal.intersect(packet, result);
+                for (sub, prims) in result.prim.as_chunks::<SUB>().0.iter().enumerate() {
+                    let bits = prims
+                        .iter()
+                        .enumerate()
+                        .fold(0u16, |bits, (lane, &prim)| bits | u16::from(prim != MISS) << lane);
+                    hits += u64::from((bits & packet.active[sub]).count_ones());
+                }
+            }
+            hits
+        })
+    }
+}
+
+/// Shadow streams, regrouped in light space, through the common-origin kernel.
+struct Streams<'a>(Common<'a>);
+
+impl Mode for Streams<'_> {
+    fn engine(&self) -> Engine {
+        Engine::Irt
+    }
+
+    fn isa(&self) -> String {
+        self.0.isa()
+    }
+
+    fn kernel(&self) -> String {
+        "stream + tile".into()
+    }
+
+    fn width(&self) -> usize {
+        TILE_RAYS
+    }
+
+    fn units(&self) -> usize {
+        self.0.set.streams().len()
+    }
+
+    fn worker(&self) -> Box<dyn FnMut(usize) -> u64 + '_> {
+        let mut shadows = PointShadows::default();
+        let mut seeds: Vec<NodeRef> = Vec::new();
+        let mut visible: Vec<f32> = Vec::new();
+        Box::new(move |unit| {
+            let stream: &Stream = &self.0.set.streams()[unit];
+            if seeds.len() <= stream.light {
+                seeds.resize(stream.light + 1, NO_OCCLUDER);
+            }
+            visible.clear();
+            visible.resize(stream.len(), 1.0);
+            let seed = &mut seeds[stream.light];
+            shadows.trace(&self.0.traversal, stream.origin, &stream.view(), seed, &mut visible);
+            visible.iter().filter(|&&visible| visible == 0.0).count() as u64
+        })
+    }
+}
+
+/// One ray at a time.
+struct Single<'a>(Common<'a>);
+
+impl Mode for Single<'_> {
+    fn engine(&self) -> Engine {
+        Engine::Irt
+    }
+
+    fn isa(&self) -> String {
+        self.0.isa()
+    }
+
+    fn kernel(&self) -> String {
+        "single".into()
+    }
+
+    fn width(&self) -> usize {
+        1
+    }
+
+    fn units(&self) -> usize {
+        self.0.set.len().div_ceil(UNIT)
+    }
+
+    fn worker(&self) -> Box<dyn FnMut(usize) -> u64 + '_> {
+        let occlusion = self.0.set.kind().occlusion();
+        let mut results = vec![crate::kernels::Hit::MISS; UNIT];
+        Box::new(move |unit| {
+            let rays = self.0.set.rays().chunks(UNIT).nth(unit).unwrap_or_default();
+            if occlusion {
+                return rays.iter().filter(|ray| self.0.traversal.occluded_ray(ray)).count() as u64;
+            }
+            for (ray, result) in rays.iter().zip(&mut results) {
+                *result = self.0.traversal.intersect_ray(ray);
+            }
+            results[..rays.len()].iter().filter(|hit| hit.prim != MISS).count() as u64
+        })
+    }
+}

@@ -1,0 +1,211 @@
+//! Traversal kernels side by side: the same rays, the same process, interleaved rounds.
+//!
+//! Only traversal is timed: rays lie ready in the form that each engine takes, and hits go to memory. What an engine
+//! needs beyond that to be fast, such as sorting, counts as traversal. A mode is a way to use an engine (kernel,
+//! width, flags); after the first round, modes that reached less than half of their engine's best are left out, so
+//! that the rounds go to those that could be it.
+//!
+//! An engine whose number of hits differs by more than [`TOLERANCE`] of the rays is marked wrong.
+
+mod irt;
+mod peers;
+mod rays;
+mod timer;
+
+pub use rays::{Kind, RaySet, Seen};
+
+use crate::{
+    bvh::{BuildPreset, Bvh},
+    error::{Error, Result},
+    kernels::Isa,
+    render::choose_kernels,
+    scene::Scene,
+};
+use std::{fmt, str::FromStr};
+use timer::Mode;
+
+/// Engines may disagree about this fraction of the rays: those that pass through edges, where the others are not
+/// exact.
+pub const TOLERANCE: f64 = 1.0e-4;
+
+/// What traces the rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Engine {
+    /// This project.
+    Irt,
+    /// The traversal of the crate that builds our binary trees.
+    Obvhs,
+    /// Intel's library, opened at run time; needs the feature `embree`.
+    Embree,
+}
+
+impl Engine {
+    /// All engines.
+    pub const ALL: [Engine; 3] = [Engine::Irt, Engine::Obvhs, Engine::Embree];
+
+    /// Name as on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Engine::Irt => "irt",
+            Engine::Obvhs => "obvhs",
+            Engine::Embree => "embree",
+        }
+    }
+}
+
+impl fmt::Display for Engine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for Engine {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Engine, String> {
+        Engine::ALL
+            .into_iter()
+            .find(|engine| engine.name() == text)
+            .ok_or_else(|| format!("unknown engine '{text}'; use irt, obvhs or embree"))
+    }
+}
+
+/// What to measure.
+#[derive(Clone, Debug)]
+pub struct BenchOptions {
+    /// Kinds of rays.
+    pub kinds: Vec<Kind>,
+    /// Engines.
+    pub engines: Vec<Engine>,
+    /// Instruction set that irt and Embree are restricted to; `None` takes the widest.
+    pub isa: Option<Isa>,
+    /// Timed rounds after the warm-up, >= 1.
+    pub rounds: u32,
+    /// Threads that trace, >= 1.
+    pub threads: usize,
+    /// Pin each thread to a core.
+    pub pin: bool,
+    /// Size of the image whose rays are traced.
+    pub size: [u32; 2],
+    /// Quality of our tree.
+    pub build: BuildPreset,
+}
+
+/// One mode of one engine on one kind of rays.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// Scene.
+    pub scene: String,
+    /// Kind of rays.
+    pub kind: Kind,
+    /// Engine.
+    pub engine: Engine,
+    /// Instruction set.
+    pub isa: String,
+    /// Kernel or mode of the engine.
+    pub kernel: String,
+    /// Rays per call.
+    pub width: usize,
+    /// Threads.
+    pub threads: usize,
+    /// Rays per round.
+    pub rays: u64,
+    /// Rays that hit something, or are blocked.
+    pub hits: u64,
+    /// Millions of rays per second, round by round.
+    pub mrays_per_s: Vec<f64>,
+    /// True if the number of hits agrees with irt's.
+    pub agrees: bool,
+}
+
+/// Measures all kinds on one scene.
+///
+/// # Errors
+/// [`Error::Flag`] for an engine or instruction set that this machine or build lacks.
+pub fn bench(scene: &Scene, options: &BenchOptions) -> Result<Vec<Row>> {
+    let kernels = choose_kernels(options.isa)?;
+    let bvh = Bvh::build(&scene.mesh, options.build)?;
+    let peers = peers::Peers::new(scene, options)?;
+    let seen = Seen::new(scene, &bvh, kernels, options.size);
+    let mut rows = Vec::new();
+    for &kind in &options.kinds {
+        let set = RaySet::new(kind, scene, &seen);
+        if set.len() == 0 {
+            continue;
+        }
+        let mut modes = Vec::new();
+        for engine in &options.engines {
+            match engine {
+                Engine::Irt => modes.extend(irt::modes(&bvh, kernels, &set)),
+                Engine::Obvhs | Engine::Embree => modes.extend(peers.modes(*engine, &set)),
+            }
+        }
+        rows.extend(measure(scene, &set, modes, options));
+    }
+    Ok(rows)
+}
+
+/// Interleaved rounds over all modes of one set of rays.
+fn measure(
+    scene: &Scene,
+    set: &RaySet,
+    mut modes: Vec<Box<dyn Mode + '_>>,
+    options: &BenchOptions,
+) -> Vec<Row> {
+    let mut samples = vec![Vec::new(); modes.len()];
+    let mut hits = vec![0; modes.len()];
+    let mut running = vec![true; modes.len()];
+    for round in 0..=options.rounds {
+        for (index, mode) in modes.iter_mut().enumerate().filter(|(index, _)| running[*index]) {
+            let (seconds, found) = timer::time(mode.as_mut(), options.threads, options.pin);
+            hits[index] = found;
+            // The first round warms up; its figures stay only for modes that are left out after it.
+            if round == 1 {
+                samples[index].clear();
+            }
+            samples[index].push(set.len() as f64 / seconds / 1.0e6);
+        }
+        if round == 0 {
+            for (index, mode) in modes.iter().enumerate() {
+                let best = (0..modes.len())
+                    .filter(|&other| modes[other].engine() == mode.engine())
+                    .map(|other| samples[other][0])
+                    .fold(0.0, f64::max);
+                running[index] = samples[index][0] >= 0.5 * best;
+            }
+        }
+    }
+    let ours = modes.iter().position(|mode| mode.engine() == Engine::Irt);
+    let reference = hits[ours.unwrap_or(0)];
+    let tolerance = TOLERANCE * set.len() as f64;
+    (0..modes.len())
+        .map(|i| Row {
+            scene: scene.name.clone(),
+            kind: set.kind(),
+            engine: modes[i].engine(),
+            isa: modes[i].isa(),
+            kernel: modes[i].kernel(),
+            width: modes[i].width(),
+            threads: options.threads,
+            rays: set.len() as u64,
+            hits: hits[i],
+            mrays_per_s: std::mem::take(&mut samples[i]),
+            agrees: hits[i].abs_diff(reference) as f64 <= tolerance,
+        })
+        .collect()
+}
+
+/// The error of a bench with rows that disagree.
+///
+/// # Errors
+/// [`Error::Failed`] if there is such a row.
+pub fn verdict(rows: &[Row]) -> Result<()> {
+    match rows.iter().find(|row| !row.agrees) {
+        None => Ok(()),
+        Some(row) => Err(Error::Failed(format!(
+            "{} of {}: {} {} finds {} hits in {} rays, which is more than {TOLERANCE} of them off; its figures mean \
+             nothing",
+            row.kind, row.scene, row.engine, row.kernel, row.hits, row.rays
+        ))),
+    }
+}

@@ -1,0 +1,70 @@
+//! Running one mode once, on one or several threads.
+
+use super::Engine;
+use crate::schedule::{Machine, Placement, pin_current_thread};
+use std::{
+    sync::{
+        Barrier,
+        atomic::{AtomicUsize, Ordering},
+    },
+    time::Instant,
+};
+
+/// One way to use an engine on one set of rays. The rays are cut into units, which threads take one by one.
+pub(super) trait Mode: Sync {
+    /// Whose mode it is.
+    fn engine(&self) -> Engine;
+    /// Instruction set, as far as known.
+    fn isa(&self) -> String;
+    /// Kernel and flags.
+    fn kernel(&self) -> String;
+    /// Rays per call.
+    fn width(&self) -> usize;
+    /// Number of units.
+    fn units(&self) -> usize;
+    /// Brings buffers into the state before tracing.
+    fn reset(&mut self) {}
+    /// What one thread does with a unit; returns the number of hits.
+    fn worker(&self) -> Box<dyn FnMut(usize) -> u64 + '_>;
+}
+
+/// Seconds from the moment when all threads are ready to the moment when the last is done, and the number of hits.
+pub(super) fn time(mode: &mut dyn Mode, threads: usize, pin: bool) -> (f64, u64) {
+    let placement = Placement::new(Machine::get(), Some(threads), pin);
+    mode.reset();
+    let mode = &*mode;
+    let next = AtomicUsize::new(0);
+    let ready = Barrier::new(threads + 1);
+    std::thread::scope(|scope| {
+        let handles: Vec<_> = placement
+            .slots()
+            .iter()
+            .map(|&cpu| {
+                let (next, ready) = (&next, &ready);
+                scope.spawn(move || {
+                    pin_current_thread(cpu);
+                    let mut run = mode.worker();
+                    ready.wait();
+                    let start = Instant::now();
+                    let mut hits = 0;
+                    loop {
+                        let unit = next.fetch_add(1, Ordering::Relaxed);
+                        if unit >= mode.units() {
+                            return (start, Instant::now(), hits);
+                        }
+                        hits += run(unit);
+                    }
+                })
+            })
+            .collect();
+        ready.wait();
+        let done: Vec<_> = handles
+            .into_iter()
+            .map(|handle| handle.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+            .collect();
+        let start = done.iter().map(|thread| thread.0).min();
+        let end = done.iter().map(|thread| thread.1).max();
+        let seconds = start.zip(end).map_or(0.0, |(start, end)| (end - start).as_secs_f64());
+        (seconds, done.iter().map(|thread| thread.2).sum())
+    })
+}

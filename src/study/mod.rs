@@ -1,0 +1,3 @@
+//! Experiments: what irt measures about itself and beside others.
+
+pub mod bench;

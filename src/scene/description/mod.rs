@@ -89,6 +89,7 @@ impl Description {
                 let what = "scale, rotation and translation move a vertex beyond the range of 32-bit numbers";
                 return Err(source.error(wanted.file.span(), what, "use smaller ones"));
             }
+            model.drop_degenerate(file);
             if let Some(material) = &wanted.material {
                 painted.push((mesh.len()..mesh.len() + model.mesh.len(), material));
                 model.materials.clear();

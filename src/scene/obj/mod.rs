@@ -33,6 +33,16 @@ pub(super) struct Model {
     pub(super) warnings: Vec<String>,
 }
 
+impl Model {
+    /// Drops the triangles of exactly zero area and counts them in the warnings. Comes last, because moving the
+    /// vertices rounds them.
+    pub(super) fn drop_degenerate(&mut self, path: &Path) {
+        let mut tally = Tally::new(path.display());
+        tally.add(area::drop_degenerate(&mut self.mesh), DEGENERATE);
+        self.warnings.extend(tally.sentences());
+    }
+}
+
 /// Reads an OBJ file and the MTL files it names.
 ///
 /// # Errors

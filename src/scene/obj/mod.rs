@@ -13,7 +13,11 @@ mod lines;
 mod mtl;
 mod polygon;
 
-use super::{Material, Part, TriangleMesh, tally::Tally, text::read_lossy};
+use super::{
+    Material, Part, TriangleMesh, area,
+    tally::{DEGENERATE, Tally},
+    text::read_lossy,
+};
 use crate::error::{Error, Result};
 use clean::{Cleaned, Section, clean};
 use glam::Vec3;

@@ -78,7 +78,7 @@ fn check(scene: &Scene) {
 
 #[track_caller]
 fn fails(result: Result<Scene, String>, parts: &[&str]) {
-    let message = result.err().expect("an error");
+    let message = result.map(|_| ()).expect_err("an error");
     for part in parts {
         assert!(message.contains(part), "`{part}` is not in: {message}");
     }
@@ -566,19 +566,19 @@ fn random_damage_never_panics() {
     let toml = "size = [4, 4]\nambient = 0.1\n[[mesh]]\nfile = \"m.obj\"\nscale = [1, 2, 3]\nrotate = [1, 2, 3]\n\
                 [camera]\neye = [0, 0, 5]\nat = [0, 0, 0]\nfov = 45\n[[material]]\nname = \"m\"\nd = 0.5\n\
                 [[light]]\nkind = \"spot\"\nposition = [1, 2, 3]\ndirection = [0, 0, 1]\ninner = 1\nouter = 20\n";
-    let folder = folder(&[("m.obj", obj), ("m.mtl", mtl), ("s.toml", toml)]);
-    let scene = folder.path().join("s.toml");
-    good(load_path(&scene));
+    let files = [("m.obj", obj), ("m.mtl", mtl), ("s.toml", toml)];
+    let folders = files.map(|_| folder(&files));
+    good(load_path(&folders[0].path().join("s.toml")));
     let mut random = Random(11);
     let mut loaded = [0; 3];
-    for round in 0..3000 {
-        let (name, text) = [("m.obj", obj), ("m.mtl", mtl), ("s.toml", toml)][round % 3];
-        write(&folder, name, &mutate(&mut random, text));
-        if let Ok(scene) = load_path(&scene) {
+    for round in 0..1500 {
+        let kind = round % 3;
+        let (name, text) = files[kind];
+        write(&folders[kind], name, &mutate(&mut random, text));
+        if let Ok(scene) = load_path(&folders[kind].path().join("s.toml")) {
             check(&scene);
-            loaded[round % 3] += 1;
+            loaded[kind] += 1;
         }
-        write(&folder, name, text.as_bytes());
     }
-    assert!(loaded.iter().all(|&n| n > 9 && n < 990), "not much was tried: {loaded:?}");
+    assert!(loaded.iter().all(|&n| n > 4 && n < 495), "not much was tried: {loaded:?}");
 }

@@ -187,3 +187,13 @@ fn a_scene_file_says_everything() {
     assert_eq!(report["lights"][2]["cone_deg"], serde_json::json!([45.0, 90.0]));
     assert_eq!(report["materials"][1], serde_json::json!({"name": "new", "triangles": 1}));
 }
+
+#[test]
+fn the_example_in_the_readme_is_a_scene() {
+    let readme = std::fs::read_to_string("scenes/README.md").expect("scenes/README.md");
+    let example = readme.split("```").find_map(|block| block.strip_prefix("toml\n")).expect("a TOML block");
+    let folder = folder(&[("demo.obj", &format!("{TRIANGLE}f 1 2 3\n"))]);
+    let scene = good(load_path(&write(&folder, "s.toml", example.as_bytes())));
+    assert_eq!((scene.lights.len(), scene.materials.len()), (3, 1));
+    assert_eq!(scene.warnings, [""; 0]);
+}

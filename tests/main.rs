@@ -1,4 +1,5 @@
 //! The one integration-test binary; a module per subject.
 
 mod agree; // every kernel against brute force
+mod scene_load; // readers, scene descriptions, names
 mod support; // oracles, meshes, random numbers

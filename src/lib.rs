@@ -19,3 +19,4 @@ pub mod schedule;
 pub mod render;
 pub mod output;
 pub mod report;
+pub mod cli;

@@ -2,3 +2,5 @@
 
 mod agree; // every kernel against brute force
 mod support; // oracles, meshes, random numbers
+mod cli; // the commands as users run them
+mod layering; // who may know whom

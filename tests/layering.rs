@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 /// The modules in import order: each may name only those before it.
 const ORDER: [&str; 19] = [
-    "kernels", "error", "math", "scene", "effects", "bvh", "camera", "tile", "trace", "shade", "film", "schedule",
-    "render", "output", "study", "report", "view", "cli", "main",
+    "kernels", "error", "math", "scene", "effects", "bvh", "camera", "tile", "trace", "shade", "film",
+    "schedule", "render", "output", "study", "report", "view", "cli", "main",
 ];
 
 /// Outside crates that every module may name: vocabulary rather than a dependency on somebody's design.
@@ -89,7 +89,8 @@ fn named_modules(code: &str) -> Vec<(usize, String)> {
 /// The names that a path continues with at `at`: one, or the first of each branch in braces.
 fn heads(code: &str, at: usize) -> Vec<(usize, String)> {
     let line = |at: usize| code[..at].matches('\n').count() + 1;
-    let word = |at: usize| code[at..].chars().take_while(|&c| c.is_alphanumeric() || c == '_').collect::<String>();
+    let word =
+        |at: usize| code[at..].chars().take_while(|&c| c.is_alphanumeric() || c == '_').collect::<String>();
     if !code[at..].starts_with('{') {
         return vec![(line(at), word(at))];
     }
@@ -132,7 +133,8 @@ fn named_crates<'a>(source: &str, crates: &'a [String]) -> Vec<&'a str> {
     let names = |krate: &&String| {
         code.match_indices(krate.as_str()).any(|(at, _)| {
             let rest = &code[at + krate.len()..];
-            let used = code[..at].ends_with("use ") && !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_');
+            let used =
+                code[..at].ends_with("use ") && !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_');
             starts_a_word(&code, at) && (used || rest.starts_with("::"))
         })
     };
@@ -163,7 +165,11 @@ fn sources() -> Vec<(String, PathBuf)> {
 fn dependencies() -> Vec<String> {
     let manifest = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml")).unwrap();
     let section = manifest.split("\n[dependencies]\n").nth(1).unwrap().split("\n[").next().unwrap();
-    section.lines().filter_map(|line| line.split_once('=')).map(|(name, _)| name.trim().replace('-', "_")).collect()
+    section
+        .lines()
+        .filter_map(|line| line.split_once('='))
+        .map(|(name, _)| name.trim().replace('-', "_"))
+        .collect()
 }
 
 #[test]
@@ -198,8 +204,11 @@ fn each_outside_crate_is_named_in_one_module() {
 #[test]
 fn lib_lists_the_modules_in_import_order() {
     let lib = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs")).unwrap();
-    let listed: Vec<&str> =
-        lib.lines().filter_map(|line| line.strip_prefix("pub mod ")).map(|m| m.trim_end_matches(';')).collect();
+    let listed: Vec<&str> = lib
+        .lines()
+        .filter_map(|line| line.strip_prefix("pub mod "))
+        .map(|m| m.trim_end_matches(';'))
+        .collect();
     let expected: Vec<&str> = ORDER.into_iter().filter(|m| listed.contains(m)).collect();
     assert_eq!(listed, expected);
 }

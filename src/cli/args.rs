@@ -1,6 +1,6 @@
 //! What was typed. Values are checked one by one here; what they mean together is settled in `options`.
 
-use super::value::{IsaChoice, Mode, field_of_view, number, one_of, size, vector, whole};
+use super::value::{IsaChoice, field_of_view, number, one_of, size, vector, whole};
 use crate::{bvh::BuildPreset, schedule::Strategy, tile::Order, trace::KernelChoice};
 use clap::{Args, Parser, Subcommand};
 use glam::Vec3;

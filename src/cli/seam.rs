@@ -42,7 +42,12 @@ pub(super) fn load(spec: &str) -> Result<Scene> {
         mesh,
         materials: vec![Material::default()],
         lights: vec![light(-3.0), light(3.0)],
-        camera: CameraDescription { eye: Vec3::new(0.0, 4.0, 9.0), at: Vec3::ZERO, up: Vec3::Y, fov_deg: 50.0 },
+        camera: CameraDescription {
+            eye: Vec3::new(0.0, 4.0, 9.0),
+            at: Vec3::ZERO,
+            up: Vec3::Y,
+            fov_deg: 50.0,
+        },
         ambient: Vec3::splat(0.1),
         background: Vec3::splat(0.2),
         size: [1024, 1024],

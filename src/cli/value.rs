@@ -113,7 +113,7 @@ const LONGEST_SIDE: u32 = 1 << 16;
 
 /// Takes WxH.
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
-    let side = |text: &str| text.trim().parse().ok().filter(|&side| side >= 1);
+    let side = |text: &str| text.trim().parse().ok().filter(|&side: &u32| side >= 1);
     let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([side(w)?, side(h)?]));
     let Some([width, height]) = sides else {
         return Err(format!("'{text}' is not an image size; give WIDTHxHEIGHT in pixels, such as 1280x720"));
@@ -135,8 +135,19 @@ mod tests {
         assert_eq!(size("1280x720"), Ok([1280, 720]));
         assert_eq!(size("1X1"), Ok([1, 1]));
         assert_eq!(size("16384x16384"), Ok([16384, 16384]));
-        for bad in ["", "x", "100", "0x5", "5x0", "-1x5", "1.5x2", "1x2x3", "99999999999x1", "65537x1", "16385x16384"]
-        {
+        for bad in [
+            "",
+            "x",
+            "100",
+            "0x5",
+            "5x0",
+            "-1x5",
+            "1.5x2",
+            "1x2x3",
+            "99999999999x1",
+            "65537x1",
+            "16385x16384",
+        ] {
             let message = size(bad).unwrap_err();
             assert!(message.contains("; "), "{message}");
         }

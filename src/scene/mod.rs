@@ -3,12 +3,24 @@
 //! Readers and generators produce a [`Scene`]; everything downstream only borrows it. A scene holds one flat
 //! triangle list, because that is what a tree is built over; [`Part`]s remember which range came from which mesh.
 
+mod area;
+mod description;
+mod framing;
+mod inspect;
+mod library;
 mod light;
+mod load;
 mod material;
 mod mesh;
+mod obj;
 pub mod procedural;
+mod tally;
+mod text;
 
+pub use inspect::{CameraReport, LightReport, SceneReport, Share};
+pub use library::{Described, Library, MeshPlace, SCENES_VARIABLE};
 pub use light::{Falloff, Light};
+pub use load::{described, load};
 pub use material::Material;
 pub use mesh::{Part, TriangleMesh};
 
@@ -26,6 +38,9 @@ pub struct CameraDescription {
     /// Vertical field of view in degrees, in (0, 180).
     pub fov_deg: f32,
 }
+
+/// Image size of a scene that asks for no other.
+pub const DEFAULT_SIZE: [u32; 2] = [1024, 1024];
 
 /// Everything one image is a function of, except sampling.
 #[derive(Clone, Debug)]

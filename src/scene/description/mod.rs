@@ -1,0 +1,164 @@
+//! Scene files in TOML: meshes and where they stand, materials, lights, camera. `scenes/README.md` lists all keys.
+
+mod check;
+mod place;
+mod schema;
+mod source;
+
+use super::{
+    CameraDescription, Light, Material, Part, Scene, TriangleMesh,
+    library::{Library, MeshPlace},
+    load::finish,
+    obj,
+    text::read_utf8,
+};
+use crate::error::Result;
+use glam::Vec3;
+use place::Placement;
+use source::Source;
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+
+/// A scene file, checked, without the meshes it names.
+pub(super) struct Description {
+    path: PathBuf,
+    text: String,
+    name: Option<String>,
+    size: [u32; 2],
+    background: Vec3,
+    ambient: Vec3,
+    camera: Option<CameraDescription>,
+    meshes: Vec<MeshUse>,
+    changes: Vec<Change>,
+    lights: Vec<Light>,
+}
+
+/// A mesh file and what to do with it.
+struct MeshUse {
+    file: Spanned<String>,
+    name: Option<String>,
+    material: Option<Spanned<String>>,
+    placement: Placement,
+}
+
+/// New values for the materials of a name.
+struct Change {
+    name: String,
+    ka: Option<Vec3>,
+    kd: Option<Vec3>,
+    ks: Option<Vec3>,
+    ke: Option<Vec3>,
+    ns: Option<f32>,
+    ni: Option<f32>,
+    d: Option<f32>,
+    illum: Option<u8>,
+}
+
+/// Reads and checks a scene file.
+///
+/// # Errors
+/// Names line and column of whatever is not understood or not usable.
+pub(super) fn read(path: &Path) -> Result<Description> {
+    let text = read_utf8(path)?;
+    let source = Source { path, text: &text };
+    let file = toml::from_str(&text).map_err(|e| source.syntax(&e))?;
+    check::check(&source, file)
+}
+
+impl Description {
+    /// Where each mesh was looked for.
+    pub(super) fn places(&self, library: &Library) -> Vec<MeshPlace> {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        self.meshes.iter().map(|mesh| library.locate(folder, mesh.file.get_ref())).collect()
+    }
+
+    /// Reads the meshes and puts everything together.
+    pub(super) fn load(self, library: &Library) -> Result<Scene> {
+        let source = Source { path: &self.path, text: &self.text };
+        let (mut mesh, mut materials, mut warnings) = (TriangleMesh::default(), Vec::new(), Vec::new());
+        let mut files = Vec::new();
+        // All of them, before the first is read: reading may take long.
+        for (wanted, place) in self.meshes.iter().zip(self.places(library)) {
+            let found = place.require();
+            files.push(found.map_err(|(what, remedy)| source.error(wanted.file.span(), what, remedy))?);
+        }
+        let mut painted = Vec::new();
+        for (wanted, file) in self.meshes.iter().zip(&files) {
+            let mut model = obj::read(file)?;
+            if !wanted.placement.apply(&mut model.mesh) {
+                let what = "scale, rotation and translation move a vertex beyond the range of 32-bit numbers";
+                return Err(source.error(wanted.file.span(), what, "use smaller ones"));
+            }
+            if let Some(material) = &wanted.material {
+                painted.push((mesh.len()..mesh.len() + model.mesh.len(), material));
+                model.materials.clear();
+                model.mesh.materials.fill(0);
+            }
+            warnings.append(&mut model.warnings);
+            append(&mut mesh, model.mesh, wanted.name.as_deref(), materials.len() as u32);
+            materials.append(&mut model.materials);
+        }
+        let added = materials.len();
+        for change in &self.changes {
+            change.apply(&mut materials);
+        }
+        for (triangles, name) in painted {
+            let index =
+                materials.iter().position(|material| material.name == *name.get_ref()).ok_or_else(|| {
+                    let what = format!("there is no material `{}`", name.get_ref().escape_debug());
+                    source.error(name.span(), what, "define it in a `[[material]]`")
+                })?;
+            mesh.materials[triangles].fill(index as u32);
+        }
+        for (index, unused) in materials.iter().enumerate().skip(added) {
+            if !mesh.materials.contains(&(index as u32)) {
+                let name = unused.name.escape_debug();
+                warnings.push(format!("{}: no mesh has or uses material `{name}`: 1", self.path.display()));
+            }
+        }
+        let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
+        let name = self.name.unwrap_or_else(|| stem.into_owned());
+        let Description { size, background, ambient, camera, lights, .. } = self;
+        let scene = finish(&self.path, name, mesh, materials, warnings, camera, lights, ambient)?;
+        Ok(Scene { size, background, ..scene })
+    }
+}
+
+/// Adds a model's mesh, whose material indices count from `first_material`.
+fn append(mesh: &mut TriangleMesh, model: TriangleMesh, name: Option<&str>, first_material: u32) {
+    let (first_vertex, first_triangle) = (mesh.positions.len() as u32, mesh.len() as u32);
+    // Normals are there for all vertices or for none.
+    if !mesh.normals.is_empty() || !model.normals.is_empty() {
+        mesh.normals.resize(mesh.positions.len(), Vec3::ZERO);
+        mesh.normals.extend(model.normals);
+        mesh.normals.resize(mesh.positions.len() + model.positions.len(), Vec3::ZERO);
+    }
+    mesh.positions.extend(model.positions);
+    mesh.triangles.extend(model.triangles.iter().map(|triangle| triangle.map(|v| first_vertex + v)));
+    mesh.materials.extend(model.materials.iter().map(|material| first_material + material));
+    mesh.parts.extend(model.parts.into_iter().map(|part| Part {
+        name: name.map_or(part.name.clone(), |name| format!("{name}/{}", part.name)),
+        first: first_triangle + part.first,
+        count: part.count,
+    }));
+}
+
+impl Change {
+    /// Changes all materials of that name, or adds one.
+    fn apply(&self, materials: &mut Vec<Material>) {
+        if !materials.iter().any(|material| material.name == self.name) {
+            materials.push(Material { name: self.name.clone(), ..Material::default() });
+        }
+        for material in materials.iter_mut().filter(|material| material.name == self.name) {
+            let Change { name: _, ka, kd, ks, ke, ns, ni, d, illum } = *self;
+            material.ka = ka.unwrap_or(material.ka);
+            material.kd = kd.unwrap_or(material.kd);
+            material.ks = ks.unwrap_or(material.ks);
+            material.ke = ke.unwrap_or(material.ke);
+            material.ns = ns.unwrap_or(material.ns);
+            material.ni = ni.unwrap_or(material.ni);
+            material.d = d.unwrap_or(material.d);
+            material.illum = illum.unwrap_or(material.illum);
+        }
+    }
+}

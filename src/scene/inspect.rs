@@ -1,0 +1,166 @@
+//! What a scene holds, counted: the figures of `irt inspect`.
+
+use super::{
+    Falloff, Light, Scene, TriangleMesh,
+    tally::{DEGENERATE, total},
+};
+use std::collections::HashSet;
+
+/// What a scene holds.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct SceneReport {
+    /// The scene's name.
+    pub name: String,
+    /// Triangles that are rendered.
+    pub triangles: usize,
+    /// Vertices, also those that no triangle uses.
+    pub vertices: usize,
+    /// Vertices with a normal of their own.
+    pub normals: usize,
+    /// Triangles that have the same three positions as an earlier one, in any order.
+    pub duplicates: usize,
+    /// Triangles of exactly zero area that the files have and that were dropped.
+    pub degenerate_dropped: usize,
+    /// Smallest coordinates of the triangles.
+    pub bounds_min: [f32; 3],
+    /// Greatest coordinates of the triangles.
+    pub bounds_max: [f32; 3],
+    /// Where the triangles come from, in order.
+    pub parts: Vec<Share>,
+    /// Materials, with the triangles that have them.
+    pub materials: Vec<Share>,
+    /// Lights, in order.
+    pub lights: Vec<LightReport>,
+    /// The camera.
+    pub camera: CameraReport,
+    /// What was repaired, dropped or ignored while loading.
+    pub warnings: Vec<String>,
+}
+
+/// Something that has a number of the triangles.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Share {
+    /// Its name.
+    pub name: String,
+    /// Its triangles.
+    pub triangles: usize,
+}
+
+/// A light; what its kind does not have is left out.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct LightReport {
+    /// `point`, `directional` or `spot`.
+    pub kind: &'static str,
+    /// Where it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<[f32; 3]>,
+    /// Where its light travels to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub direction: Option<[f32; 3]>,
+    /// Linear colour times strength.
+    pub intensity: [f32; 3],
+    /// `none` or `inverse-square`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub falloff: Option<&'static str>,
+    /// Half angles of the inner and the whole cone, degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cone_deg: Option<[f32; 2]>,
+}
+
+/// The camera.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct CameraReport {
+    /// Position of the pinhole.
+    pub eye: [f32; 3],
+    /// The point in the middle of the image.
+    pub at: [f32; 3],
+    /// Up in the image.
+    pub up: [f32; 3],
+    /// Vertical field of view, degrees.
+    pub fov_deg: f32,
+}
+
+impl Scene {
+    /// Counts what is in the scene.
+    pub fn report(&self) -> SceneReport {
+        let bounds = self.mesh.bounds();
+        let share = |name: &String, triangles| Share { name: name.clone(), triangles };
+        let mut by_material = vec![0; self.materials.len()];
+        for &material in &self.mesh.materials {
+            by_material[material as usize] += 1;
+        }
+        SceneReport {
+            name: self.name.clone(),
+            triangles: self.mesh.len(),
+            vertices: self.mesh.positions.len(),
+            normals: self.mesh.normals.iter().filter(|&&n| n != glam::Vec3::ZERO).count(),
+            duplicates: self.mesh.duplicates(),
+            degenerate_dropped: total(&self.warnings, DEGENERATE),
+            bounds_min: bounds.min.to_array(),
+            bounds_max: bounds.max.to_array(),
+            parts: self.mesh.parts.iter().map(|part| share(&part.name, part.count as usize)).collect(),
+            materials: self.materials.iter().zip(by_material).map(|(m, n)| share(&m.name, n)).collect(),
+            lights: self.lights.iter().map(LightReport::new).collect(),
+            camera: CameraReport {
+                eye: self.camera.eye.to_array(),
+                at: self.camera.at.to_array(),
+                up: self.camera.up.to_array(),
+                fov_deg: self.camera.fov_deg,
+            },
+            warnings: self.warnings.clone(),
+        }
+    }
+}
+
+impl LightReport {
+    fn new(light: &Light) -> LightReport {
+        let name = |falloff| match falloff {
+            Falloff::None => "none",
+            Falloff::InverseSquare => "inverse-square",
+        };
+        let dark = LightReport {
+            kind: "point",
+            position: None,
+            direction: None,
+            intensity: [0.0; 3],
+            falloff: None,
+            cone_deg: None,
+        };
+        match *light {
+            Light::Point { position, intensity, falloff } => LightReport {
+                position: Some(position.to_array()),
+                intensity: intensity.to_array(),
+                falloff: Some(name(falloff)),
+                ..dark
+            },
+            Light::Directional { direction, intensity } => LightReport {
+                kind: "directional",
+                direction: Some(direction.to_array()),
+                intensity: intensity.to_array(),
+                ..dark
+            },
+            Light::Spot { position, direction, intensity, falloff, inner, outer } => LightReport {
+                kind: "spot",
+                position: Some(position.to_array()),
+                direction: Some(direction.to_array()),
+                intensity: intensity.to_array(),
+                falloff: Some(name(falloff)),
+                cone_deg: Some([inner.to_degrees(), outer.to_degrees()]),
+            },
+        }
+    }
+}
+
+impl TriangleMesh {
+    /// Number of triangles that have the same three positions as an earlier one, in any order.
+    pub fn duplicates(&self) -> usize {
+        let mut seen = HashSet::with_capacity(self.len());
+        // Adding zero makes -0.0 and 0.0, which are the same place, the same bits.
+        let key = |prim: usize| {
+            let mut corners = self.corners(prim).map(|p| p.to_array().map(|c| (c + 0.0).to_bits()));
+            corners.sort_unstable();
+            corners
+        };
+        (0..self.len()).filter(|&prim| !seen.insert(key(prim))).count()
+    }
+}

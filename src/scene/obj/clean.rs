@@ -1,0 +1,277 @@
+//! Checks an OBJ file line by line and rewrites it so that tobj cannot trip over it.
+//!
+//! tobj gives no line numbers, refuses comments after a statement, accepts NaN, and loses the normals of a mesh in
+//! which only some corners have one. What it gets from here has none of that: positions, then normals with
+//! zero ("none") as the first, then faces with absolute indices `p//n`, grouped by `o` statements whose names are
+//! indices into [`Cleaned::sections`].
+
+use super::lines::{Statement, for_each_statement};
+use crate::{
+    error::{Error, Result},
+    scene::tally::Tally,
+};
+use std::{io::Write, path::Path};
+
+/// Faces with the same part name and material.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Section {
+    /// Last name given by `o` or `g`; empty if there was none.
+    pub(super) part: String,
+    /// Last name given by `usemtl`, with the line it was in.
+    pub(super) material: Option<(String, usize)>,
+}
+
+/// An OBJ file that tobj reads without error.
+#[derive(Default)]
+pub(super) struct Cleaned {
+    /// Its `v` and `vn` lines.
+    pub(super) vertices: Vec<u8>,
+    /// Its `o` and `f` lines.
+    pub(super) faces: Vec<u8>,
+    /// What the names in `faces` stand for.
+    pub(super) sections: Vec<Section>,
+    /// What follows each `mtllib`, with its line.
+    pub(super) libraries: Vec<(String, usize)>,
+}
+
+/// Rewrites `text`, the contents of `path`.
+pub(super) fn clean(path: &Path, text: &str, tally: &mut Tally) -> Result<Cleaned> {
+    let mut cleaner = Cleaner {
+        path,
+        tally,
+        out: Cleaned { vertices: b"vn 0 0 0\n".to_vec(), ..Cleaned::default() },
+        current: Section::default(),
+        fresh: true,
+        positions: Counter::default(),
+        normals: Counter::default(),
+        face_count: 0,
+    };
+    for_each_statement(text, |statement| cleaner.statement(&statement))?;
+    cleaner.finish()
+}
+
+/// How many there are, and the greatest index used so far with the line that uses it.
+#[derive(Default)]
+struct Counter {
+    count: usize,
+    greatest: usize,
+    line: usize,
+}
+
+impl Counter {
+    /// Turns an OBJ index (from 1, or negative from the end) into an absolute one, counted from 1. An index beyond
+    /// what was read so far may still become valid, so it is checked at the end.
+    fn resolve(&mut self, index: i64, line: usize) -> Option<usize> {
+        let absolute = match index {
+            0 => return None,
+            1.. => usize::try_from(index).ok()?,
+            _ => usize::try_from(index + i64::try_from(self.count).ok()? + 1).ok().filter(|&i| i > 0)?,
+        };
+        if absolute > self.greatest {
+            (self.greatest, self.line) = (absolute, line);
+        }
+        Some(absolute)
+    }
+}
+
+struct Cleaner<'a> {
+    path: &'a Path,
+    tally: &'a mut Tally,
+    out: Cleaned,
+    current: Section,
+    /// `current` was not written since it changed.
+    fresh: bool,
+    positions: Counter,
+    normals: Counter,
+    face_count: usize,
+}
+
+impl Cleaner<'_> {
+    fn error<T>(&self, line: usize, what: impl ToString, remedy: &str) -> Result<T> {
+        Err(Error::line(self.path, line, what, remedy))
+    }
+
+    fn statement(&mut self, &Statement { line, keyword, rest }: &Statement<'_>) -> Result<()> {
+        match keyword {
+            "v" => self.position(line, rest),
+            "vn" => self.normal(line, rest),
+            // `fo` is a face in files from before 1992.
+            "f" | "fo" => self.face(line, rest),
+            "o" | "g" => {
+                let part = if rest.is_empty() { "unnamed" } else { rest };
+                self.switch(|section| section.part = part.into());
+                Ok(())
+            }
+            "usemtl" if rest.is_empty() => {
+                self.tally.at(line, "`usemtl` without a name (default material used)");
+                self.switch(|section| section.material = None);
+                Ok(())
+            }
+            "usemtl" => {
+                self.switch(|section| section.material = Some((rest.into(), line)));
+                Ok(())
+            }
+            "mtllib" => {
+                self.out.libraries.push((rest.into(), line));
+                Ok(())
+            }
+            // There are no textures to look up, and what smoothing groups ask for is given by normals.
+            "vt" | "s" => Ok(()),
+            "p" | "l" => {
+                self.tally.at(line, "points and lines dropped");
+                Ok(())
+            }
+            _ => {
+                let keyword: String = keyword.chars().take(20).collect();
+                self.tally.at(line, &format!("unsupported statement `{}` ignored", keyword.escape_debug()));
+                Ok(())
+            }
+        }
+    }
+
+    fn switch(&mut self, change: impl FnOnce(&mut Section)) {
+        change(&mut self.current);
+        self.fresh = true;
+    }
+
+    /// A finite number, as it fits into f32.
+    fn number(&self, line: usize, word: &str) -> Result<f32> {
+        match word.parse::<f32>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            Ok(_) => self.error(line, format!("`{word}` is not a finite 32-bit number"), "remove the vertex"),
+            Err(_) => self.error(line, format!("`{word}` is not a number"), "correct the line"),
+        }
+    }
+
+    fn position(&mut self, line: usize, rest: &str) -> Result<()> {
+        let words: Vec<&str> = rest.split_whitespace().collect();
+        let &[x, y, z, ref more @ ..] = &words[..] else {
+            return self.error(line, "a vertex needs three coordinates", "complete the line");
+        };
+        let position = [self.number(line, x)?, self.number(line, y)?, self.number(line, z)?];
+        let w = match more {
+            &[w] => self.number(line, w)?,
+            [] => 1.0,
+            _ => {
+                self.tally.at(line, "vertex colours ignored");
+                1.0
+            }
+        };
+        let out = &mut self.out.vertices;
+        if w == 1.0 {
+            // Vec as a writer never fails.
+            let _ = writeln!(out, "v {x} {y} {z}");
+        } else {
+            let [x, y, z] = position.map(|c| (f64::from(c) / f64::from(w)) as f32);
+            if ![x, y, z].iter().all(|c| c.is_finite()) {
+                let what = format!("dividing by the weight {w} gives no finite 32-bit position");
+                return self.error(line, what, "correct the fourth number");
+            }
+            let _ = writeln!(out, "v {x} {y} {z}");
+        }
+        self.positions.count += 1;
+        Ok(())
+    }
+
+    fn normal(&mut self, line: usize, rest: &str) -> Result<()> {
+        let mut words = rest.split_whitespace();
+        let mut xyz = [0.0f32; 3];
+        for c in &mut xyz {
+            let Some(word) = words.next() else {
+                return self.error(line, "a normal needs three components", "complete the line");
+            };
+            let Ok(value) = word.parse() else {
+                return self.error(line, format!("`{word}` is not a number"), "correct the line");
+            };
+            *c = value;
+        }
+        if xyz.iter().any(|c| !c.is_finite()) {
+            self.tally.at(line, "normals that are not finite (flat shading there)");
+            xyz = [0.0; 3];
+        }
+        let _ = writeln!(self.out.vertices, "vn {} {} {}", xyz[0], xyz[1], xyz[2]);
+        self.normals.count += 1;
+        Ok(())
+    }
+
+    fn face(&mut self, line: usize, rest: &str) -> Result<()> {
+        let corners = rest.split_whitespace().count();
+        if corners < 3 {
+            self.tally.at(line, "faces with fewer than three corners dropped");
+            return Ok(());
+        }
+        if self.fresh {
+            self.fresh = false;
+            if self.out.sections.last() != Some(&self.current) {
+                let _ = writeln!(self.out.faces, "o {}", self.out.sections.len());
+                self.out.sections.push(self.current.clone());
+            }
+        }
+        self.out.faces.push(b'f');
+        for corner in rest.split_whitespace() {
+            let (position, normal) = self.corner(line, corner)?;
+            let _ = write!(self.out.faces, " {position}//{normal}");
+        }
+        self.out.faces.push(b'\n');
+        self.face_count += 1;
+        Ok(())
+    }
+
+    /// Absolute indices, from 1, of a corner `p`, `p/t`, `p//n` or `p/t/n`; normal 1 is "none".
+    fn corner(&mut self, line: usize, corner: &str) -> Result<(usize, usize)> {
+        let mut fields = corner.split('/');
+        let mut index = |required: bool| match fields.next() {
+            None | Some("") if !required => Ok(None),
+            field => field.unwrap_or_default().parse::<i64>().map(Some),
+        };
+        let parsed = (index(true), index(false), index(false), fields.next());
+        let (Ok(Some(position)), Ok(_), Ok(normal), None) = parsed else {
+            return self.error(
+                line,
+                format!("`{corner}` is not a face corner"),
+                "write it as `v`, `v/vt`, `v//vn` or `v/vt/vn`",
+            );
+        };
+        let Some(position) = self.positions.resolve(position, line) else {
+            return self.out_of_range(line, position, "vertex", self.positions.count);
+        };
+        let normal = match normal {
+            None => 1,
+            Some(index) => match self.normals.resolve(index, line) {
+                Some(normal) => normal + 1,
+                None => return self.out_of_range(line, index, "normal", self.normals.count),
+            },
+        };
+        Ok((position, normal))
+    }
+
+    fn out_of_range<T>(&self, line: usize, index: impl ToString, of: &str, count: usize) -> Result<T> {
+        let what = format!("{of} index {} is out of range, there are {count} so far", index.to_string());
+        self.error(line, what, "indices count from 1, or from -1 backwards")
+    }
+
+    fn finish(mut self) -> Result<Cleaned> {
+        for (counter, of) in [(&self.positions, "vertex"), (&self.normals, "normal")] {
+            if counter.greatest > counter.count {
+                let what = format!(
+                    "{of} index {} is out of range, the file has {}",
+                    counter.greatest, counter.count
+                );
+                return self.error(counter.line, what, "correct the index or complete the file");
+            }
+        }
+        if self.positions.count == 0 && self.face_count == 0 {
+            return Err(Error::file(
+                self.path,
+                "holds no mesh",
+                "give an OBJ file with `v` and `f` statements",
+            ));
+        }
+        if self.face_count == 0 {
+            let what = "holds vertices but no face";
+            return Err(Error::file(self.path, what, "export it with polygons"));
+        }
+        self.out.vertices.shrink_to_fit();
+        Ok(self.out)
+    }
+}

@@ -1,0 +1,212 @@
+//! Wavefront OBJ and MTL, through tobj. This is the only module that names tobj.
+//!
+//! ```text
+//!   OBJ --clean: checked, normalised--> tobj --> polygons --triangulate--> Model
+//!   MTL --mtl: checked, normalised----> tobj --> materials -----------------^
+//! ```
+//!
+//! A file that cannot mean anything is an error that names the line. What can be repaired, dropped or ignored without
+//! guessing is counted in the warnings. Vertices stay exactly what the file says, rounded once to f32.
+
+mod clean;
+mod lines;
+mod mtl;
+mod polygon;
+
+use super::{Material, Part, TriangleMesh, tally::Tally, text::read_lossy};
+use crate::error::{Error, Result};
+use clean::{Cleaned, Section, clean};
+use glam::Vec3;
+use std::{
+    collections::{HashMap, HashSet},
+    io::Read,
+    path::{Path, PathBuf},
+};
+
+/// What one OBJ file holds, in its own coordinates.
+pub(super) struct Model {
+    /// All triangles, also those of zero area.
+    pub(super) mesh: TriangleMesh,
+    /// Materials of its MTL files, and the default one where a face has none.
+    pub(super) materials: Vec<Material>,
+    /// Counted warnings.
+    pub(super) warnings: Vec<String>,
+}
+
+/// Reads an OBJ file and the MTL files it names.
+///
+/// # Errors
+/// [`Error::Line`] for a line that cannot be understood, [`Error::File`] for a file that cannot be read or holds no
+/// face.
+pub(super) fn read(path: &Path) -> Result<Model> {
+    let text = read_lossy(path)?;
+    let mut tally = Tally::new(path.display());
+    let cleaned = clean(path, &text, &mut tally)?;
+    drop(text);
+    let mut warnings = Vec::new();
+    let mut materials = Materials::default();
+    for library in libraries(path, &cleaned, &mut tally) {
+        materials.read(&library, &mut warnings)?;
+    }
+    let assigned = materials.assign(&cleaned.sections, &mut tally);
+    let mesh = assemble(path, cleaned, &assigned, &mut tally)?;
+    warnings.splice(0..0, tally.sentences());
+    Ok(Model { mesh, materials: materials.all, warnings })
+}
+
+/// The MTL files that exist, each once. `mtllib` may name several, and a name may hold spaces.
+fn libraries(path: &Path, cleaned: &Cleaned, tally: &mut Tally) -> Vec<PathBuf> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let find = |name: &str| {
+        let name = PathBuf::from(name.trim_matches('"').replace('\\', "/"));
+        // Absolute paths from another machine: the file is usually beside the OBJ.
+        let beside = folder.join(name.file_name().unwrap_or_default());
+        [folder.join(&name), beside].into_iter().find(|candidate| candidate.is_file())
+    };
+    let mut found = Vec::new();
+    for (names, line) in &cleaned.libraries {
+        if let Some(file) = find(names) {
+            found.push(file);
+            continue;
+        }
+        if names.is_empty() {
+            tally.at(*line, "`mtllib` without a name");
+        }
+        for name in names.split_whitespace() {
+            match find(name) {
+                Some(file) => found.push(file),
+                None => tally.at(*line, &format!("material file `{}` not found", name.escape_debug())),
+            }
+        }
+    }
+    let mut seen = HashSet::new();
+    found.retain(|file| seen.insert(file.clone()));
+    found
+}
+
+#[derive(Default)]
+struct Materials {
+    all: Vec<Material>,
+    by_name: HashMap<String, u32>,
+}
+
+impl Materials {
+    /// Adds the materials of an MTL file; where a name is defined again, the first definition counts.
+    fn read(&mut self, path: &Path, warnings: &mut Vec<String>) -> Result<()> {
+        let mut tally = Tally::new(path.display());
+        for material in mtl::read(path, &read_lossy(path)?, &mut tally)? {
+            if self.by_name.contains_key(&material.name) {
+                let name = material.name.escape_debug();
+                tally.add(1, &format!("further definitions of material `{name}` ignored"));
+            } else {
+                self.add(material);
+            }
+        }
+        warnings.extend(tally.sentences());
+        Ok(())
+    }
+
+    fn add(&mut self, material: Material) -> u32 {
+        let index = self.all.len() as u32;
+        self.by_name.insert(material.name.clone(), index);
+        self.all.push(material);
+        index
+    }
+
+    /// Material index of each section; the default material is added where one is needed.
+    fn assign(&mut self, sections: &[Section], tally: &mut Tally) -> Vec<u32> {
+        let mut default = None;
+        let mut use_default = |all: &mut Vec<Material>| {
+            *default.get_or_insert_with(|| {
+                all.push(Material::default());
+                all.len() as u32 - 1
+            })
+        };
+        let mut assigned = Vec::with_capacity(sections.len());
+        for section in sections {
+            let index = match &section.material {
+                None => use_default(&mut self.all),
+                Some((name, line)) => self.by_name.get(name).copied().unwrap_or_else(|| {
+                    let what = format!("material `{}` not defined (default used)", name.escape_debug());
+                    tally.at(*line, &what);
+                    use_default(&mut self.all)
+                }),
+            };
+            assigned.push(index);
+        }
+        assigned
+    }
+}
+
+/// Lets tobj read the cleaned file and makes one mesh of the models it gives, one per section.
+fn assemble(path: &Path, cleaned: Cleaned, materials: &[u32], tally: &mut Tally) -> Result<TriangleMesh> {
+    let Cleaned { vertices, faces, sections, .. } = cleaned;
+    let options = tobj::LoadOptions { single_index: true, ..tobj::LoadOptions::default() };
+    let no_materials = |_: &Path| Ok((Vec::new(), Default::default()));
+    let (models, _) = tobj::load_obj_buf(&mut vertices.chain(&faces[..]), &options, no_materials)
+        .map_err(|e| Error::file(path, format!("cannot be read ({e})"), "report this file to us"))?;
+    let fallback = path.file_stem().unwrap_or_default().to_string_lossy();
+    let mut mesh = TriangleMesh::default();
+    let mut smooth = false;
+    for model in models {
+        // The names are indices that `clean` wrote.
+        let Some((section, &material)) = model
+            .name
+            .parse::<usize>()
+            .ok()
+            .and_then(|index| Some((sections.get(index)?, materials.get(index)?)))
+        else {
+            continue;
+        };
+        let name = if section.part.is_empty() { &*fallback } else { &section.part };
+        smooth |= append(&mut mesh, &model.mesh, name, material, tally);
+        if u32::try_from(mesh.positions.len().max(mesh.len())).is_err() {
+            let what = "has more triangles or vertices than 32-bit indices can count";
+            return Err(Error::file(path, what, "split the file"));
+        }
+    }
+    if !smooth {
+        mesh.normals.clear();
+    }
+    Ok(mesh)
+}
+
+/// Adds a model under the part `name`. True if any vertex has a normal.
+fn append(mesh: &mut TriangleMesh, from: &tobj::Mesh, name: &str, material: u32, tally: &mut Tally) -> bool {
+    let first = mesh.positions.len() as u32;
+    let first_triangle = mesh.len() as u32;
+    mesh.positions.extend(from.positions.chunks_exact(3).map(Vec3::from_slice));
+    // In f64, so that no finite normal is too long or too short to be normalised.
+    mesh.normals.extend(
+        from.normals.chunks_exact(3).map(|n| Vec3::from_slice(n).as_dvec3().normalize_or_zero().as_vec3()),
+    );
+    let smooth = mesh.normals[first as usize..].iter().any(|&n| n != Vec3::ZERO);
+    let mut improper = 0;
+    let mut rest = &from.indices[..];
+    // No arities means that all faces are triangles.
+    let mut arities = from.face_arities.iter();
+    while !rest.is_empty() {
+        let corners = arities.next().map_or(3, |&corners| corners as usize);
+        let Some((face, others)) = rest.split_at_checked(corners) else { break };
+        rest = others;
+        match face {
+            &[a, b, c] => mesh.triangles.push([first + a, first + b, first + c]),
+            _ => improper += usize::from(!append_polygon(mesh, first, face)),
+        }
+    }
+    tally.add(improper, "polygons that cross themselves or have no area cut into a fan");
+    mesh.materials.resize(mesh.triangles.len(), material);
+    let count = mesh.len() as u32 - first_triangle;
+    match mesh.parts.last_mut() {
+        Some(part) if part.name == name => part.count += count,
+        _ => mesh.parts.push(Part { name: name.into(), first: first_triangle, count }),
+    }
+    smooth
+}
+
+fn append_polygon(mesh: &mut TriangleMesh, first: u32, face: &[u32]) -> bool {
+    let corners: Vec<Vec3> = face.iter().map(|&v| mesh.positions[(first + v) as usize]).collect();
+    polygon::triangulate(&corners, |triangle| {
+        mesh.triangles.push(triangle.map(|i| first + face[i]));
+    })
+}

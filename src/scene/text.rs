@@ -1,0 +1,47 @@
+//! Reading text files without surprises.
+
+use crate::error::{Error, Result};
+use std::{fs, path::Path};
+
+/// The whole of a text file. Anything but a regular file is refused (a device or pipe might never end), and so is a
+/// file with zero bytes in it, which is binary or in a 16-bit encoding.
+pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+    let unreadable = |e: std::io::Error| {
+        let remedy = match e.kind() {
+            std::io::ErrorKind::NotFound => "check the path",
+            _ => "make it a readable file",
+        };
+        Error::file(path, format!("cannot be read ({e})"), remedy)
+    };
+    if !fs::metadata(path).map_err(unreadable)?.is_file() {
+        return Err(Error::file(path, "is not a regular file", "give the path of a file"));
+    }
+    let bytes = fs::read(path).map_err(unreadable)?;
+    match bytes.iter().position(|&byte| byte == 0) {
+        None => Ok(bytes),
+        Some(at) => {
+            let line = 1 + bytes[..at].iter().filter(|&&byte| byte == b'\n').count();
+            Err(Error::line(
+                path,
+                line,
+                "holds a zero byte, so this is no text",
+                "save the file as UTF-8 text",
+            ))
+        }
+    }
+}
+
+/// A text file in which bytes that are not UTF-8 (names in an old encoding) become replacement characters.
+pub(super) fn read_lossy(path: &Path) -> Result<String> {
+    let bytes = read_bytes(path)?;
+    Ok(String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned()))
+}
+
+/// A text file that must be UTF-8.
+pub(super) fn read_utf8(path: &Path) -> Result<String> {
+    String::from_utf8(read_bytes(path)?).map_err(|e| {
+        let valid = &e.as_bytes()[..e.utf8_error().valid_up_to()];
+        let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
+        Error::line(path, line, "holds a byte that is not UTF-8", "save the file as UTF-8 text")
+    })
+}

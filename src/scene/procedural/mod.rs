@@ -5,6 +5,7 @@
 mod architecture;
 mod atrium;
 mod builder;
+mod garden;
 mod hairball;
 mod hash;
 mod nave;

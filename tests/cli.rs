@@ -240,7 +240,7 @@ fn wrong_commands_exit_with_2_and_help_with_0() {
     let folder = Folder::new();
     assert!(folder.fail("rendr", 2).ends_with("did you mean render?"));
     folder.irt("").assert().code(2);
-    for line in ["--help", "render --help", "--version"] {
+    for line in ["--help", "scenes --help", "render --help", "--version"] {
         assert!(!folder.run(line).is_empty());
     }
 }

@@ -1,7 +1,7 @@
 //! What was typed. Values are checked one by one here; what they mean together is settled in `options`.
 
 use super::value::{IsaChoice, field_of_view, number, one_of, size, vector, whole};
-use crate::{bvh::BuildPreset, schedule::Strategy, tile::Order, trace::KernelChoice};
+use crate::{bvh::BuildPreset, scene::procedural, schedule::Strategy, tile::Order, trace::KernelChoice};
 use clap::{Args, Parser, Subcommand};
 use glam::Vec3;
 use std::path::PathBuf;
@@ -44,7 +44,7 @@ pub(super) enum Command {
 #[derive(Args, Debug)]
 pub(super) struct RenderArgs {
     /// A TOML scene, an OBJ file or the name of a built-in scene
-    #[arg(default_value = super::DEFAULT_SCENE)]
+    #[arg(default_value = procedural::DEFAULT)]
     pub(super) scene: String,
     /// Image to write; its extension tells the format: .png, .exr, .hdr or .pfm
     #[arg(short, long, value_name = "FILE", default_value = "render.png")]
@@ -58,6 +58,9 @@ pub(super) struct RenderArgs {
     /// Render the image this many times, to measure
     #[arg(long, value_name = "N", default_value = "1", value_parser = whole(1..=1_000_000u32))]
     pub(super) frames: u32,
+    /// Seed of the samplers
+    #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
+    pub(super) seed: u64,
     /// Write the figures of the summary as JSON; - is standard output
     #[arg(long, value_name = "FILE")]
     pub(super) export_json: Option<PathBuf>,
@@ -119,9 +122,6 @@ pub(super) struct EngineArgs {
     /// Time to spend on the tree
     #[arg(long, default_value = BuildPreset::default().name(), value_parser = one_of::<BuildPreset>())]
     pub(super) build: BuildPreset,
-    /// Seed of the samplers
-    #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
-    pub(super) seed: u64,
 }
 
 /// `irt inspect`.

@@ -7,11 +7,13 @@
 //! The only module that names clap, indicatif and ctrlc.
 
 mod args;
+mod effects;
 mod export;
+mod inspect;
 mod interrupt;
 mod options;
 mod render;
-mod seam;
+mod scenes;
 mod terminal;
 mod usage;
 mod value;
@@ -21,8 +23,6 @@ use args::{Command, CommandLine, Talk};
 use clap::Parser;
 use std::panic::catch_unwind;
 use std::process::ExitCode;
-
-const DEFAULT_SCENE: &str = "atrium";
 
 /// The `irt` command: reads the process's arguments, does what they ask for, tells about errors.
 pub fn main() -> ExitCode {
@@ -42,7 +42,8 @@ pub fn main() -> ExitCode {
 fn run(command: &Command, talk: Talk) -> Result<()> {
     match command {
         Command::Render(args) => render::run(args, talk),
-        Command::Inspect(_) | Command::Scenes(_) => Err(Error::Failed("not yet".into())),
+        Command::Inspect(args) => inspect::run(args),
+        Command::Scenes(args) => scenes::run(args),
     }
 }
 
@@ -60,6 +61,7 @@ fn usage(error: &clap::Error) -> ExitCode {
 fn fail(error: &Error) -> ExitCode {
     if interrupt::flag().load(std::sync::atomic::Ordering::SeqCst) {
         // The handler tells about it and ends the process; this error is only its consequence.
+        std::thread::sleep(std::time::Duration::from_secs(5));
         return ExitCode::from(Error::Interrupted.exit_code());
     }
     terminal::complain(error);

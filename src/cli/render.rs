@@ -2,10 +2,10 @@
 
 use super::{
     args::{RenderArgs, Talk},
+    effects::effects,
     export::Export,
     interrupt,
     options::{check, render_options, replace_view},
-    seam::load,
     terminal::{self, Progress},
 };
 use crate::{
@@ -13,7 +13,7 @@ use crate::{
     output::OutputFile,
     render::{FrameReport, RenderOptions, Rendered, render},
     report::{BuildSummary, FrameSummary, RayCounts, StageSeconds, Summary, WorkerSummary, to_json},
-    scene::Scene,
+    scene::{Scene, load},
     schedule::Control,
 };
 use std::collections::BTreeMap;
@@ -146,12 +146,6 @@ fn workers(frames: &[FrameReport]) -> Vec<WorkerSummary> {
         }
     }
     sums
-}
-
-/// What this scene makes the frame simulate.
-fn effects(scene: &Scene) -> Vec<String> {
-    let effects: &[&str] = if scene.lights.is_empty() { &[] } else { &["direct-light", "shadows"] };
-    effects.iter().map(ToString::to_string).collect()
 }
 
 fn counters(rendered: &Rendered, workers: &[WorkerSummary]) -> BTreeMap<String, u64> {

@@ -13,7 +13,7 @@ use crate::{
 /// Only what keeps an export from being written: a scene that cannot be used is listed with the reason.
 pub(super) fn run(args: &ScenesArgs) -> Result<()> {
     let exports = TableExports::open(&args.export)?;
-    let mut table = Table::new(["scene", "kind", "usable", "what it is, or where its meshes are"]);
+    let mut table = Table::new(["scene", "kind", "usable", "about"]);
     for &name in procedural::NAMES {
         table.push([name.into(), "built-in".into(), true.into(), procedural::summary(name).into()]);
     }

@@ -286,3 +286,121 @@ fn a_reader_that_leaves_early_is_no_failure() {
         assert!(!String::from_utf8_lossy(&output.stderr).contains("panic"), "{line}");
     }
 }
+
+/// A square of two triangles in the plane z = 0, one of them twice, and a triangle without area.
+const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\nf 3 4 1\nf 1 1 2\n";
+
+const TOML: &str = "\
+name = \"square\"
+size = [40, 30]
+[[mesh]]
+file = \"square.obj\"
+[camera]
+eye = [0.5, 0.5, 3]
+at = [0.5, 0.5, 0]
+fov = 30
+[[light]]
+kind = \"point\"
+position = [0.5, 0.5, 2]
+intensity = 1
+";
+
+/// A folder with an OBJ file and a TOML scene.
+fn folder_with_scenes() -> Folder {
+    let folder = Folder::new();
+    fs::write(folder.path().join("square.obj"), OBJ).unwrap();
+    fs::write(folder.path().join("square.toml"), TOML).unwrap();
+    folder
+}
+
+#[test]
+fn an_obj_file_is_rendered_with_the_given_camera_and_light() {
+    let folder = folder_with_scenes();
+    let flags = "--camera-eye 0.5,0.5,3 --camera-at 0.5,0.5,0 --fov 30 --light 0.5,0.5,2";
+    let text = folder.run(&format!("render square.obj {flags} --size 40x30 -q -o x.png --export-json -"));
+    let json: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(json["triangles"], 3);
+    assert!(json["frames"][0]["rays"]["shadow"].as_u64().unwrap() > 100);
+    let image = image::open(folder.path().join("x.png")).unwrap().into_rgb8();
+    assert!(image.get_pixel(20, 15).0[0] > 100, "the square is lit");
+    assert_eq!(image.get_pixel(0, 0).0, [0, 0, 0], "and there is nothing around it");
+    // The scene file says the same.
+    let text = folder.run("render square.toml -q --export-json -");
+    let same: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(same["frames"][0]["image_sha256"], json["frames"][0]["image_sha256"]);
+    // A negative coordinate is a value, not a flag.
+    folder.run("render square.obj --light -1,-2,-3 --camera-eye -1,0,5 -q");
+}
+
+#[test]
+fn what_was_repaired_is_told_unless_quiet() {
+    let folder = folder_with_scenes();
+    let told = |flags: &str| {
+        let output = folder.irt(&format!("render square.obj --size 8x8 {flags}")).output().unwrap();
+        String::from_utf8(output.stderr).unwrap()
+    };
+    assert!(told("").contains("irt: warning: square.obj: "), "{}", told(""));
+    assert_eq!(told("--quiet"), "");
+}
+
+#[test]
+fn inspect_tells_what_is_in_a_scene() {
+    let folder = folder_with_scenes();
+    let text = folder.run("inspect square.toml --export-json a.json");
+    for word in
+        ["square", "duplicates", "bounds", "materials", "lights", "camera", "effects", "SAH cost", "depth"]
+    {
+        assert!(text.contains(word), "{word} in {text}");
+    }
+    let json: Value = serde_json::from_slice(&fs::read(folder.path().join("a.json")).unwrap()).unwrap();
+    assert_eq!(json["triangles"], 3);
+    assert_eq!(json["duplicates"], 1);
+    assert_eq!(json["degenerate_dropped"], 1);
+    assert_eq!(json["bounds_max"], serde_json::json!([1.0, 1.0, 0.0]));
+    assert_eq!(json["lights"][0]["kind"], "point");
+    assert_eq!(json["camera"]["fov_deg"], 30.0);
+    assert_eq!(json["tree"]["triangles"], 3);
+    for field in ["sah_cost", "depth", "block_fill", "bytes", "build_seconds"] {
+        assert!(json["tree"][field].as_f64().unwrap() > 0.0, "{field}");
+    }
+}
+
+#[test]
+fn scenes_lists_built_in_and_described_ones() {
+    let folder = Folder::new();
+    let text = folder.run("scenes");
+    assert!(text.contains("atrium") && text.contains("built-in"), "{text}");
+    fs::create_dir(folder.path().join("scenes")).unwrap();
+    fs::write(folder.path().join("scenes/square.toml"), TOML).unwrap();
+    let listed = || -> Value {
+        let list: Value = serde_json::from_str(&folder.run("scenes --export-json -")).unwrap();
+        list.as_array().unwrap().iter().find(|scene| scene["scene"] == "square").unwrap().clone()
+    };
+    assert_eq!(listed()["usable"], false);
+    assert!(listed()["about"].as_str().unwrap().contains("square.obj is not in"));
+    let message = folder.fail("render square", 2);
+    assert!(message.contains("square.obj") && message.contains("IRT_SCENES"), "{message}");
+    fs::write(folder.path().join("scenes/square.obj"), OBJ).unwrap();
+    assert_eq!(listed()["usable"], true);
+    folder.run("render square -q");
+    folder.run("scenes --export-csv a.csv --export-markdown a.md");
+    assert!(
+        fs::read_to_string(folder.path().join("a.csv")).unwrap().starts_with("scene,kind,usable,about\n")
+    );
+    assert!(folder.fail("scenes --export-csv - --export-json -", 2).starts_with("--export-"));
+}
+
+#[test]
+fn an_unreadable_scene_is_answered_with_the_file_and_exit_code_2() {
+    let folder = Folder::new();
+    fs::write(folder.path().join("a.obj"), "v 0 0 0\nv 1 x 0\nf 1 2 3\n").unwrap();
+    fs::write(folder.path().join("a.toml"), "name = \n").unwrap();
+    fs::write(folder.path().join("a.txt"), "").unwrap();
+    for scene in ["a.obj", "a.toml", "a.txt", "none.obj", "none.toml", "nonsense", "atrium@0"] {
+        for command in ["render", "inspect"] {
+            let message = folder.fail(&format!("{command} {scene}"), 2);
+            assert!(message.contains(scene.trim_end_matches("@0")), "{command} {scene}: {message}");
+        }
+    }
+    assert_eq!(folder.names(), ["a.obj", "a.toml", "a.txt"]);
+}

@@ -56,10 +56,10 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub(super) size: Option<[u32; 2]>,
     /// Render the image this many times, to measure
-    #[arg(long, value_name = "N", default_value = "1", value_parser = whole(1..=1_000_000u32))]
+    #[arg(long, value_name = "N", default_value = "1", value_parser = whole(1..=1_000_000u32), allow_negative_numbers = true)]
     pub(super) frames: u32,
     /// Seed of the samplers
-    #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
+    #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX), allow_negative_numbers = true)]
     pub(super) seed: u64,
     /// Write the figures of the summary as JSON; - is standard output
     #[arg(long, value_name = "FILE")]
@@ -96,7 +96,7 @@ pub(super) struct ViewArgs {
 #[command(next_help_heading = "Engine (none of these changes the image)")]
 pub(super) struct EngineArgs {
     /// Worker threads [default: one per physical core]
-    #[arg(long, value_name = "N", value_parser = whole(1..=1024usize))]
+    #[arg(long, value_name = "N", value_parser = whole(1..=1024usize), allow_negative_numbers = true)]
     pub(super) threads: Option<usize>,
     /// Pin each worker to a core (the default)
     #[arg(long, overrides_with = "no_pin")]
@@ -117,7 +117,7 @@ pub(super) struct EngineArgs {
     #[arg(long, default_value = Strategy::default().name(), value_parser = one_of::<Strategy>())]
     pub(super) schedule: Strategy,
     /// Side of a tile in pixels
-    #[arg(long, value_name = "N", default_value = "64", value_parser = whole(1..=1024u32))]
+    #[arg(long, value_name = "N", default_value = "64", value_parser = whole(1..=1024u32), allow_negative_numbers = true)]
     pub(super) tile: u32,
     /// Time to spend on the tree
     #[arg(long, default_value = BuildPreset::default().name(), value_parser = one_of::<BuildPreset>())]

@@ -83,7 +83,7 @@ impl Arch {
 /// One bay of a wall with an arched opening: from the springing at y = 0 up to `top`, `2 * bay` wide and `thick` deep
 /// about z = 0. Both faces, and the underside of the arch.
 pub(super) fn arched_wall(b: &mut Builder, arch: Arch, bay: f32, top: f32, thick: f32) {
-    let (along, up) = (b.steps(5.0, 2), b.steps(2.0, 1));
+    let (along, up) = (b.steps(5.0, 2), b.steps(1.0, 1));
     for quarters in [0, 2] {
         b.at(facing(quarters, Vec3::ZERO), |b| {
             for right in [false, true] {
@@ -93,8 +93,9 @@ pub(super) fn arched_wall(b: &mut Builder, arch: Arch, bay: f32, top: f32, thick
                 });
             }
             let (y, x) = (Vec3::Y * top, Vec3::X * (bay - arch.half));
-            b.quad([1, up], Vec3::new(-bay, 0.0, 0.5 * thick), x, y);
-            b.quad([1, up], Vec3::new(arch.half, 0.0, 0.5 * thick), x, y);
+            let beside = b.steps(1.0, 1);
+            b.quad([beside, up], Vec3::new(-bay, 0.0, 0.5 * thick), x, y);
+            b.quad([beside, up], Vec3::new(arch.half, 0.0, 0.5 * thick), x, y);
         });
     }
     soffit(b, arch, thick);
@@ -102,18 +103,18 @@ pub(super) fn arched_wall(b: &mut Builder, arch: Arch, bay: f32, top: f32, thick
 
 /// The underside of an arch, `thick` deep about z = 0.
 pub(super) fn soffit(b: &mut Builder, arch: Arch, thick: f32) {
-    let along = b.steps(5.0, 2);
+    let cells = [b.steps(5.0, 2), b.steps(1.0, 1)];
     for right in [false, true] {
-        b.patch([along, 1], true, |u, v| arch.arc(right, u, 0.0).extend((v - 0.5) * thick));
+        b.patch(cells, true, |u, v| arch.arc(right, u, 0.0).extend((v - 0.5) * thick));
     }
 }
 
 /// A moulding along an arch. `profile` is (outside the arch, out of the wall), from the opening outwards.
 pub(super) fn archivolt(b: &mut Builder, arch: Arch, profile: &[Vec2]) {
-    let along = b.steps(6.0, 2);
+    let (along, across) = (b.steps(5.0, 2), b.steps(1.0, 1));
     for piece in profile.windows(2) {
         for right in [false, true] {
-            b.patch([along, 1], true, |u, v| {
+            b.patch([along, across], true, |u, v| {
                 let p = piece[0].lerp(piece[1], v);
                 arch.arc(right, u, p.x).extend(p.y)
             });
@@ -124,8 +125,9 @@ pub(super) fn archivolt(b: &mut Builder, arch: Arch, profile: &[Vec2]) {
 /// A straight moulding from x = 0 to `length`. `profile` is (height, out of the wall), from bottom to top. The ends are
 /// cut at 45 degrees towards a corner that it meets there: -1 shorter the further out (an inner corner), 1 longer.
 pub(super) fn moulding(b: &mut Builder, length: f32, mitre: [f32; 2], cells: usize, profile: &[Vec2]) {
+    let across = b.steps(1.0, 1);
     for piece in profile.windows(2) {
-        b.patch([cells, 1], false, |u, v| {
+        b.patch([cells, across], false, |u, v| {
             let p = piece[0].lerp(piece[1], v);
             let (low, high) = (-mitre[0] * p.y, length + mitre[1] * p.y);
             Vec3::new(low + (high - low) * u, p.x, p.y)
@@ -136,7 +138,7 @@ pub(super) fn moulding(b: &mut Builder, length: f32, mitre: [f32; 2], cells: usi
 /// A vault over a rectangle of `2 hx` x `2 hz`: two barrels that cross, seen from below. `arch` gives the section
 /// over x, its half span taken as the unit of height; the section over z is the same, stretched to its span.
 pub(super) fn groin_vault(b: &mut Builder, arch: Arch, hx: f32, hz: f32) {
-    let (across, out) = (b.steps(4.0, 2), b.steps(4.0, 2));
+    let (across, out) = (b.steps(3.0, 1), b.steps(3.0, 2));
     for quarters in 0..4 {
         let (near, far) = if quarters % 2 == 0 { (hx, hz) } else { (hz, hx) };
         b.at(facing(quarters, Vec3::ZERO), |b| {
@@ -170,7 +172,7 @@ pub(super) fn coursed_wall(b: &mut Builder, size: Vec2, courses: f32, paints: &[
 
 /// A moulded half round between the heights `low` and `high`, bulging by `out` from the radius `r`.
 fn torus(b: &mut Builder, around: usize, [low, high]: [f32; 2], r: f32, out: f32) {
-    let up = b.steps(3.0, 2);
+    let up = b.steps(2.0, 1);
     b.turned([around, up], |v| {
         Vec2::new(r + out * (PI * v).sin(), low + (high - low) * 0.5 * (1.0 - (PI * v).cos()))
     });
@@ -198,12 +200,12 @@ impl Column {
     /// Adds the column, standing on the origin: `shaft` and `carved` are the materials of the shaft and the rest.
     pub(super) fn build(self, b: &mut Builder, shaft: u32, carved: u32) {
         let r = self.radius;
-        let around = b.steps(self.around, 6);
+        let around = b.steps(self.around, 5);
         let bell = self.height - 2.35 * r;
         b.paint(carved);
         self.base(b, around);
         b.paint(shaft);
-        let up = b.steps(4.0, 1);
+        let up = b.steps(3.0, 1);
         // A shaft swells a little before it narrows.
         let width = |v: f32| r * (1.0 - 0.17 * v * v + 0.03 * (PI * v).sin());
         b.turned([around, up], |v| Vec2::new(width(v), 0.95 * r + (bell - 0.95 * r) * v));
@@ -217,20 +219,21 @@ impl Column {
         let plinth = Vec3::new(1.5 * r, 0.0, 1.5 * r);
         b.cuboid(-plinth - Vec3::Y * 0.02, plinth + Vec3::Y * 0.4 * r);
         torus(b, around, [0.38 * r, 0.68 * r], 1.28 * r, 0.16 * r);
-        b.turned([around, 1], |v| Vec2::new(1.28 * r - 0.1 * r * v, (0.68 + 0.08 * v) * r));
-        torus(b, around, [0.76 * r, 0.98 * r], 1.04 * r, 0.13 * r);
+        torus(b, around, [0.67 * r, 0.98 * r], 1.04 * r, 0.14 * r);
     }
 
     fn capital(self, b: &mut Builder, around: usize, bell: f32) {
         let r = self.radius;
         let tall = 1.75 * r;
         let flare = |v: f32| r * (0.83 + 0.1 * v + 0.4 * v.powi(4));
-        let up = b.steps(4.0, 2);
+        let up = b.steps(3.0, 1);
         b.turned([around, up], |v| Vec2::new(flare(v), bell + 0.1 * r + tall * v));
         let a = self.abacus();
         b.cuboid(Vec3::new(-0.9 * a, bell + 1.8 * r, -0.9 * a), Vec3::new(0.9 * a, bell + 2.12 * r, 0.9 * a));
         b.cuboid(Vec3::new(-a, bell + 2.05 * r, -a), Vec3::new(a, bell + 2.35 * r, a));
-        for row in 0..self.leaves {
+        // Coarse columns have plain bells.
+        let rows = self.leaves * b.steps(1.0, 0).min(1);
+        for row in 0..rows {
             let (low, long) = (bell + 0.1 * r + 0.55 * r * row as f32, 0.62 * tall);
             for leaf in 0..8 {
                 let turn = (leaf as f32 + 0.5 * row as f32) * PI / 4.0;
@@ -242,7 +245,7 @@ impl Column {
 
 /// A leaf in front of the bell of a capital, curling over at its tip.
 fn acanthus(b: &mut Builder, r: f32, low: f32, long: f32, lift: f32) {
-    let cells = [b.steps(2.0, 2), b.steps(4.0, 3)];
+    let cells = [b.steps(2.0, 2), b.steps(3.0, 2)];
     b.patch(cells, true, |u, v| {
         let half = 0.36 * r * (1.0 - 0.75 * v * v);
         let side = 2.0 * u - 1.0;

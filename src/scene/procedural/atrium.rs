@@ -29,8 +29,8 @@ const GALLERY: f32 = 5.0;
 /// Height of the eaves.
 const EAVES: f32 = 9.35;
 
-const GROUND_COLUMN: Column = Column { height: 3.2, radius: 0.24, around: 16.0, leaves: 2 };
-const UPPER_COLUMN: Column = Column { height: 2.55, radius: 0.16, around: 12.0, leaves: 1 };
+const GROUND_COLUMN: Column = Column { height: 3.2, radius: 0.24, around: 14.0, leaves: 2 };
+const UPPER_COLUMN: Column = Column { height: 2.55, radius: 0.16, around: 10.0, leaves: 1 };
 const GROUND_ARCH: Arch = Arch { half: 1.13, point: 1.0 };
 const UPPER_ARCH: Arch = Arch { half: 1.24, point: 1.0 };
 
@@ -81,7 +81,7 @@ pub(super) fn atrium(detail: f32) -> Scene {
     floor(&mut b, &m);
     on_each_side(&mut b, "cloth", |b, side| cloth(b, &m, side));
     b.part("fountain");
-    b.at(moved(1.5, 0.0, 0.0), |b| garden::fountain(b, m.marble, m.water));
+    b.at(moved(1.5, 0.0, 0.0), |b| garden::fountain(b, m.marble, m.water, m.spray));
     b.part("plants");
     plants(&mut b, &m);
     b.part("lanterns");
@@ -132,16 +132,8 @@ fn pier(b: &mut Builder, m: &Palette, column: Column) {
 /// The arched walls of both storeys with their mouldings.
 fn arcades(b: &mut Builder, m: &Palette, side: Side) {
     let p = Vec2::new;
-    let profile = [
-        p(0.0, 0.29),
-        p(0.0, 0.34),
-        p(0.09, 0.34),
-        p(0.11, 0.37),
-        p(0.2, 0.37),
-        p(0.24, 0.42),
-        p(0.27, 0.42),
-        p(0.29, 0.29),
-    ];
+    let profile =
+        [p(0.0, 0.29), p(0.0, 0.36), p(0.12, 0.36), p(0.16, 0.41), p(0.26, 0.41), p(0.29, 0.29)];
     for i in 0..side.bays {
         for (springing, arch, top) in [
             (GROUND_COLUMN.height, GROUND_ARCH, GALLERY - 0.05),
@@ -157,7 +149,7 @@ fn arcades(b: &mut Builder, m: &Palette, side: Side) {
         }
         b.at(moved(side.bay(i) - 0.5 * BAY, 3.95, 0.5 * THICK), |b| roundel(b, m, i > 0));
     }
-    let string = [p(0.0, 0.29), p(0.05, 0.4), p(0.12, 0.42), p(0.2, 0.5), p(0.35, 0.5), p(0.35, 0.0)];
+    let string = [p(0.0, 0.29), p(0.05, 0.4), p(0.12, 0.42), p(0.2, 0.5), p(0.35, 0.5), p(0.35, 0.34)];
     let cells = b.steps(6.0 * side.bays as f32, 1);
     b.paint(m.carved);
     b.at(moved(-side.half(), GALLERY - 0.35, 0.0), |b| {
@@ -176,7 +168,7 @@ fn roundel(b: &mut Builder, m: &Palette, room: bool) {
         return;
     }
     let p = Vec2::new;
-    let around = b.steps(14.0, 6);
+    let around = b.steps(14.0, 5);
     let upright = glam::Affine3A::from_rotation_x(std::f32::consts::FRAC_PI_2);
     b.at(upright, |b| {
         b.paint(m.carved);
@@ -188,7 +180,6 @@ fn roundel(b: &mut Builder, m: &Palette, room: bool) {
 
 /// Turned balusters between two rails, in every bay of the gallery.
 fn balustrade(b: &mut Builder, m: &Palette, side: Side) {
-    const BALUSTERS: usize = 7;
     let p = Vec2::new;
     let outline = [
         p(0.055, 0.1),
@@ -202,11 +193,12 @@ fn balustrade(b: &mut Builder, m: &Palette, side: Side) {
         p(0.032, 0.72),
         p(0.055, 0.8),
     ];
+    let count = b.steps(7.0, 3).min(7);
     b.paint(m.marble);
     for i in 0..side.bays {
-        for k in 0..BALUSTERS {
-            let x = (k as f32 + 0.5 - 0.5 * BALUSTERS as f32) * 0.345;
-            b.at(moved(side.bay(i) + x, GALLERY, 0.12), |b| garden::vessel(b, 7.0, 9.0, &outline));
+        for k in 0..count {
+            let x = ((k as f32 + 0.5) / count as f32 - 0.5) * 2.42;
+            b.at(moved(side.bay(i) + x, GALLERY, 0.12), |b| garden::vessel(b, 6.0, 6.0, &outline));
         }
         let half = 0.5 * BAY - 0.15;
         b.at(moved(side.bay(i), GALLERY, 0.12), |b| {
@@ -270,7 +262,7 @@ fn walls(b: &mut Builder, m: &Palette, side: Side) {
         });
         b.at(moved(-half, low + dado, -WALK), |b| {
             let size = p(2.0 * half, high - low - dado);
-            coursed_wall(b, size, 8.0, &m.stones, 7 + storey);
+            coursed_wall(b, size, 5.0, &m.stones, 7 + storey);
         });
         for i in (0..side.bays).filter(|i| i % 2 == usize::from(!side.is_long())) {
             b.at(moved(side.bay(i), low, -WALK), |b| {
@@ -283,8 +275,9 @@ fn walls(b: &mut Builder, m: &Palette, side: Side) {
 /// The floor and the ceiling of the gallery, the cornice, and the tiled slope above.
 fn roof(b: &mut Builder, m: &Palette, side: Side) {
     let (near, far) = (side.half(), side.half() + WALK);
+    let rows = b.steps(2.0, 1);
     let strip = |b: &mut Builder, cells: usize, y: [f32; 2], z: [f32; 2], [near, far]: [f32; 2], up: bool| {
-        b.patch([cells, 2], false, |u, v| {
+        b.patch([cells, rows], false, |u, v| {
             let v = if up { 1.0 - v } else { v };
             let half = near + (far - near) * v;
             Vec3::new(half * (2.0 * u - 1.0), y[0] + (y[1] - y[0]) * v, z[0] + (z[1] - z[0]) * v)
@@ -292,7 +285,7 @@ fn roof(b: &mut Builder, m: &Palette, side: Side) {
     };
     let cells = b.steps(2.0 * side.bays as f32, 1);
     b.paint(m.terracotta);
-    strip(b, cells, [GALLERY; 2], [0.35, -WALK], [near - 0.35, far], false);
+    strip(b, cells, [GALLERY; 2], [0.34, -WALK], [near - 0.34, far], false);
     b.paint(m.plaster);
     strip(b, cells, [EAVES - 0.02; 2], [0.28, -WALK], [near - 0.28, far], true);
     let p = Vec2::new;
@@ -309,7 +302,7 @@ fn roof(b: &mut Builder, m: &Palette, side: Side) {
     ];
     b.paint(m.carved);
     b.at(moved(-near, EAVES, 0.0), |b| {
-        moulding(b, 2.0 * near, [-1.0, -1.0], 3 * cells, &cornice);
+        moulding(b, 2.0 * near, [-1.0, -1.0], 2 * cells, &cornice);
     });
     dentils(b, near);
     b.paint(m.terracotta);
@@ -318,9 +311,10 @@ fn roof(b: &mut Builder, m: &Palette, side: Side) {
 
 /// Small blocks under the cornice.
 fn dentils(b: &mut Builder, half: f32) {
-    let count = (half * 2.0 / 0.3) as usize - 2;
+    let full = half * 5.0 - 2.0;
+    let count = b.steps(full, 4).min(full as usize);
     for i in 0..count {
-        let x = (i as f32 + 0.5 - 0.5 * count as f32) * 0.3;
+        let x = (i as f32 + 0.5 - 0.5 * count as f32) * (2.0 * half - 0.8) / count as f32;
         let y = EAVES - 0.1;
         b.cuboid(Vec3::new(x - 0.07, y - 0.13, 0.35), Vec3::new(x + 0.07, y + 0.01, 0.45));
     }
@@ -331,12 +325,15 @@ fn floor(b: &mut Builder, m: &Palette) {
     let half = COURT + Vec2::splat(WALK);
     let fine = b.steps(1.0, 1);
     // Tiles of 0.6 m, so that the arcades stand on a joint.
-    let count = (2.0 * half / 0.6).round();
-    let [nx, nz] = [count.x as usize, count.y as usize];
+    let [nx, nz] = [half.x, half.y].map(|half| {
+        let most = (half / 0.3).round();
+        b.steps(most, 3).min(most as usize)
+    });
+    let size = 2.0 * half / Vec2::new(nx as f32, nz as f32);
     let paint = |i: usize, j: usize| {
         let (i, j) = (i / fine, j / fine);
-        let centre = |k: usize, half: f32| ((k as f32 + 0.5) * 0.6 - half).abs();
-        let inside = COURT - Vec2::new(centre(i, half.x), centre(j, half.y));
+        let centre = |k: usize, axis: usize| ((k as f32 + 0.5) * size[axis] - half[axis]).abs();
+        let inside = COURT - Vec2::new(centre(i, 0), centre(j, 1));
         m.tile(inside.min_element(), i, j)
     };
     b.mosaic([nx * fine, nz * fine], false, paint, |u, v| {
@@ -350,7 +347,7 @@ fn cloth(b: &mut Builder, m: &Palette, side: Side) {
         let seed = (side.quarters * 8) as u32 + i as u32;
         let colours = m.cloths[(i / 2 + side.quarters as usize) % m.cloths.len()];
         if side.is_long() && i % 2 == 1 {
-            b.at(moved(side.bay(i), GALLERY + 0.95, 0.42), |b| garden::banner(b, 1.15, 2.6, colours, seed));
+            b.at(moved(side.bay(i), GALLERY + 0.95, 0.53), |b| garden::banner(b, 1.15, 2.6, colours, seed));
         }
         if i % 2 == 0 {
             b.paint(colours[0]);
@@ -389,7 +386,7 @@ fn lights(b: &mut Builder, m: &Palette) -> Vec<Light> {
         falloff: Falloff::None,
     };
     let mut lights = vec![
-        far(Vec3::new(-22.0, 60.0, -27.0), [1.02, 0.88, 0.66]),
+        far(Vec3::new(-25.0, 52.0, -24.0), [1.32, 1.10, 0.78]),
         far(Vec3::new(14.0, 50.0, 10.0), [0.10, 0.14, 0.21]),
         far(Vec3::new(-6.0, 14.0, 0.5), [0.09, 0.12, 0.17]),
     ];

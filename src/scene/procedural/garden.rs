@@ -10,41 +10,38 @@ use std::f32::consts::{PI, TAU};
 
 /// A body of revolution whose outline is a smooth curve through `points` (radius, height), bottom to top.
 pub(super) fn vessel(b: &mut Builder, around: f32, up: f32, points: &[Vec2]) {
-    let cells = [b.steps(around, 5), b.steps(up, points.len() / 2)];
+    let cells = [b.steps(around, 4), b.steps(up, 2)];
     b.turned(cells, |v| spline(points, v));
 }
 
 /// A fountain on the origin: a round basin, a stem and a bowl, with water in both.
-pub(super) fn fountain(b: &mut Builder, stone: u32, water: u32) {
+pub(super) fn fountain(b: &mut Builder, stone: u32, water: u32, spray: u32) {
     let p = Vec2::new;
     b.paint(stone);
     let step = [p(2.1, -0.05), p(2.1, 0.14), p(2.04, 0.16), p(1.5, 0.16)];
-    b.lathe(&step, b.steps(40.0, 6));
+    b.lathe(&step, b.steps(32.0, 6));
     let wall = [p(1.62, 0.15), p(1.55, 0.24), p(1.6, 0.5), p(1.74, 0.62), p(1.76, 0.7), p(1.68, 0.73)];
-    vessel(b, 40.0, 12.0, &wall);
-    vessel(b, 40.0, 6.0, &[p(1.68, 0.73), p(1.54, 0.72), p(1.48, 0.62), p(1.46, 0.4)]);
+    vessel(b, 32.0, 10.0, &wall);
+    vessel(b, 32.0, 6.0, &[p(1.68, 0.73), p(1.54, 0.72), p(1.48, 0.62), p(1.46, 0.4)]);
     let stem = [p(0.42, 0.4), p(0.36, 0.66), p(0.2, 0.8), p(0.26, 1.0), p(0.14, 1.2), p(0.17, 1.42)];
-    vessel(b, 20.0, 14.0, &stem);
+    vessel(b, 18.0, 10.0, &stem);
     let bowl = [p(0.14, 1.4), p(0.4, 1.46), p(0.7, 1.6), p(0.86, 1.76), p(0.84, 1.8), p(0.74, 1.74)];
-    vessel(b, 32.0, 14.0, &bowl);
-    vessel(
-        b,
-        14.0,
-        14.0,
-        &[p(0.1, 1.68), p(0.08, 1.9), p(0.15, 2.05), p(0.1, 2.2), p(0.03, 2.28), p(0.0, 2.38)],
-    );
+    vessel(b, 28.0, 10.0, &bowl);
+    vessel(b, 12.0, 10.0, &[p(0.1, 1.68), p(0.08, 1.9), p(0.15, 2.05), p(0.1, 2.2), p(0.03, 2.28), p(0.0, 2.38)]);
     b.paint(water);
     pool(b, 1.5, 0.56, 26.0);
     pool(b, 0.8, 1.73, 40.0);
+    b.paint(spray);
     for jet in 0..8 {
         let turn = Affine3A::from_rotation_y(TAU * jet as f32 / 8.0);
         b.at(turn, |b| water_jet(b, Vec2::new(0.8, 1.8), Vec2::new(1.22, 0.55)));
     }
 }
 
+
 /// A round sheet of water with rings of small waves.
 fn pool(b: &mut Builder, radius: f32, height: f32, waves: f32) {
-    let cells = [b.steps(32.0, 6), b.steps(12.0, 2)];
+    let cells = [b.steps(28.0, 6), b.steps(9.0, 2)];
     b.patch(cells, true, |u, v| {
         let r = radius * (1.0 - v);
         let (sin, cos) = (-u * TAU).sin_cos();
@@ -54,7 +51,7 @@ fn pool(b: &mut Builder, radius: f32, height: f32, waves: f32) {
 
 /// A thin arc of falling water in the xy plane.
 fn water_jet(b: &mut Builder, from: Vec2, to: Vec2) {
-    let cells = [b.steps(5.0, 3), b.steps(8.0, 3)];
+    let cells = [b.steps(4.0, 3), b.steps(5.0, 3)];
     b.patch(cells, true, |u, v| {
         let x = from.x + (to.x - from.x) * v;
         let y = from.y + (to.y - from.y) * v * v;
@@ -70,17 +67,17 @@ pub(super) fn pot(b: &mut Builder, clay: u32, earth: u32) {
     let p = Vec2::new;
     b.paint(clay);
     let outside = [p(0.22, -0.01), p(0.25, 0.06), p(0.3, 0.25), p(0.33, 0.46), p(0.38, 0.5), p(0.39, 0.58)];
-    vessel(b, 18.0, 8.0, &outside);
-    vessel(b, 18.0, 3.0, &[p(0.39, 0.58), p(0.36, 0.62), p(0.33, 0.6), p(0.32, 0.5)]);
+    vessel(b, 14.0, 5.0, &outside);
+    vessel(b, 14.0, 3.0, &[p(0.39, 0.58), p(0.36, 0.62), p(0.33, 0.6), p(0.32, 0.5)]);
     b.paint(earth);
-    let around = b.steps(18.0, 6);
+    let around = b.steps(14.0, 5);
     b.lathe(&[p(0.34, 0.53), p(0.0, 0.56)], around);
 }
 
 /// An agave: a rosette of thick pointed leaves that bend down, 0.8 high.
 pub(super) fn agave(b: &mut Builder, greens: [u32; 2], seed: u32) {
     const LEAVES: u32 = 18;
-    let cells = [b.steps(2.0, 2), b.steps(7.0, 3)];
+    let cells = [b.steps(2.0, 1), b.steps(4.0, 2)];
     for i in 0..LEAVES {
         let key = seed * LEAVES + i;
         let age = i as f32 / LEAVES as f32;
@@ -110,20 +107,20 @@ pub(super) fn orange_tree(b: &mut Builder, bark: u32, greens: [u32; 2], fruit: u
     vessel(b, 7.0, 4.0, &[Vec2::new(0.05, 0.5), Vec2::new(0.035, 0.9), Vec2::new(0.04, 1.5)]);
     b.paint(greens[0]);
     b.at(Affine3A::from_translation(centre), |b| {
-        let cells = [b.steps(12.0, 6), b.steps(7.0, 3)];
+        let cells = [b.steps(12.0, 5), b.steps(7.0, 3)];
         b.turned(cells, |v| Vec2::new((PI * v).sin(), -(PI * v).cos()) * (0.82 * radius));
     });
-    let leaves = b.steps(230.0, 24).min(230);
+    let leaves = b.steps(200.0, 24).min(200);
     for i in 0..leaves as u32 {
         let key = seed * 1024 + i;
         b.paint(greens[usize::from(unit(key, 31) < 0.6)]);
         b.at(on_ball(centre, radius, key, i as f32 / leaves as f32), leaf);
     }
     b.paint(fruit);
-    for i in 0..14 {
-        let place = on_ball(centre, radius, seed * 1024 + 512 + i, (i as f32 + 0.5) / 14.0);
+    for i in 0..8 {
+        let place = on_ball(centre, radius, seed * 1024 + 512 + i, (i as f32 + 0.5) / 8.0);
         b.at(place, |b| {
-            let cells = [b.steps(6.0, 4), b.steps(4.0, 2)];
+            let cells = [b.steps(5.0, 3), b.steps(3.0, 2)];
             b.turned(cells, |v| Vec2::new((PI * v).sin(), -(PI * v).cos()) * 0.045);
         });
     }
@@ -143,7 +140,7 @@ fn on_ball(centre: Vec3, radius: f32, key: u32, rank: f32) -> Affine3A {
 
 /// A leaf at the origin that looks towards +z, folded a little along its middle.
 fn leaf(b: &mut Builder) {
-    let cells = [b.steps(2.0, 2), b.steps(2.0, 2)];
+    let cells = [b.steps(1.0, 1), b.steps(2.0, 2)];
     b.patch(cells, true, |u, v| {
         let side = 2.0 * u - 1.0;
         let half = 0.05 * (PI * (0.08 + 0.92 * v)).sin();
@@ -153,8 +150,8 @@ fn leaf(b: &mut Builder) {
 
 /// A banner that hangs down from the origin, in front of z = 0: a field, a border and two tails.
 pub(super) fn banner(b: &mut Builder, width: f32, length: f32, [field, border]: [u32; 2], seed: u32) {
-    let (across, down) = (b.steps(12.0, 6), b.steps(18.0, 6));
-    let edge = (across / 8).max(1);
+    let (across, down) = (b.steps(10.0, 5), b.steps(12.0, 6));
+    let edge = (across / 10).max(1);
     let phase = TAU * unit(seed, 41);
     let paint = |i: usize, j: usize| {
         let stripe = i < edge || i >= across - edge || j < 2 * edge || (j > 3 * edge && j <= 4 * edge);
@@ -171,13 +168,13 @@ pub(super) fn banner(b: &mut Builder, width: f32, length: f32, [field, border]: 
 
 /// A curtain that hangs from the origin and is drawn to one side by a tie: half an opening of the width `width`.
 pub(super) fn curtain(b: &mut Builder, width: f32, length: f32, seed: u32) {
-    let cells = [b.steps(30.0, 14), b.steps(10.0, 4)];
+    let cells = [b.steps(18.0, 8), b.steps(6.0, 3)];
     let phase = TAU * unit(seed, 43);
     b.patch(cells, true, |u, v| {
         let fall = 1.0 - v;
         // Narrowest at the tie, two thirds down.
         let drawn = 1.0 - 0.62 * (-(fall - 0.62) * (fall - 0.62) * 9.0).exp();
-        let fold = (TAU * 5.0 * u + phase).sin() * (0.045 + 0.03 * fall);
+        let fold = (TAU * 3.0 * u + phase).sin() * (0.045 + 0.03 * fall);
         Vec3::new(width * drawn * u, -length * fall, fold + 0.03 * (3.0 * fall + phase).sin())
     });
 }
@@ -190,9 +187,9 @@ pub(super) fn lantern(b: &mut Builder, drop: f32, metal: u32, glow: u32) {
     b.at(Affine3A::from_translation(Vec3::new(0.0, -drop, 0.0)), |b| {
         let around = b.steps(4.0, 3);
         b.lathe(&[p(0.012, 0.1), p(0.012, drop)], around);
-        vessel(b, 12.0, 5.0, &[p(0.17, 0.02), p(0.16, 0.05), p(0.06, 0.1), p(0.02, 0.16)]);
+        vessel(b, 10.0, 4.0, &[p(0.17, 0.02), p(0.16, 0.05), p(0.06, 0.1), p(0.02, 0.16)]);
         b.paint(glow);
-        let cells = [b.steps(12.0, 6), b.steps(6.0, 3)];
+        let cells = [b.steps(10.0, 4), b.steps(5.0, 2)];
         b.turned(cells, |v| {
             let (sin, cos) = (PI * v).sin_cos();
             p(0.11 * sin, -0.06 - 0.13 * cos)

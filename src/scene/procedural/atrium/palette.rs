@@ -20,6 +20,7 @@ pub(super) struct Palette {
     pub wood: u32,
     pub terracotta: u32,
     pub water: u32,
+    pub spray: u32,
     pub earth: u32,
     pub greens: [u32; 2],
     pub agave: [u32; 2],
@@ -57,6 +58,7 @@ impl Palette {
             marble: 0,
             porphyry: 0,
             water: 0,
+            spray: 0,
             greens: [0; 2],
             agave: [0; 2],
             orange: 0,
@@ -79,6 +81,7 @@ impl Palette {
         self.marble = polished("white marble", [0.82, 0.80, 0.75], 0.18, 50.0);
         self.porphyry = polished("porphyry", [0.32, 0.07, 0.09], 0.35, 60.0);
         self.water = polished("water", [0.08, 0.26, 0.32], 0.8, 160.0);
+        self.spray = polished("spray", [0.55, 0.70, 0.76], 0.6, 60.0);
         self.greens = [[0.05, 0.14, 0.03], [0.11, 0.25, 0.05]].map(|kd| polished("leaves", kd, 0.10, 20.0));
         self.agave = [[0.16, 0.30, 0.20], [0.22, 0.38, 0.24]].map(|kd| polished("agave", kd, 0.12, 24.0));
         self.orange = polished("orange", [0.85, 0.32, 0.03], 0.25, 30.0);

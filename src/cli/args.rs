@@ -56,10 +56,16 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub(super) size: Option<[u32; 2]>,
     /// Render the image this many times, to measure
-    #[arg(long, value_name = "N", default_value = "1", value_parser = whole(1..=1_000_000u32), allow_negative_numbers = true)]
+    #[arg(
+        long, value_name = "N", default_value = "1",
+        value_parser = whole(1..=1_000_000u32), allow_negative_numbers = true
+    )]
     pub(super) frames: u32,
     /// Seed of the samplers
-    #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX), allow_negative_numbers = true)]
+    #[arg(
+        long, value_name = "N", default_value = "0",
+        value_parser = whole(0..=u64::MAX), allow_negative_numbers = true
+    )]
     pub(super) seed: u64,
     /// Write the figures of the summary as JSON; - is standard output
     #[arg(long, value_name = "FILE")]
@@ -117,7 +123,10 @@ pub(super) struct EngineArgs {
     #[arg(long, default_value = Strategy::default().name(), value_parser = one_of::<Strategy>())]
     pub(super) schedule: Strategy,
     /// Side of a tile in pixels
-    #[arg(long, value_name = "N", default_value = "64", value_parser = whole(1..=1024u32), allow_negative_numbers = true)]
+    #[arg(
+        long, value_name = "N", default_value = "64",
+        value_parser = whole(1..=1024u32), allow_negative_numbers = true
+    )]
     pub(super) tile: u32,
     /// Time to spend on the tree
     #[arg(long, default_value = BuildPreset::default().name(), value_parser = one_of::<BuildPreset>())]

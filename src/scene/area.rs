@@ -89,4 +89,12 @@ mod tests {
         assert!(!is_degenerate([Vec3::ONE * 1.0e30, Vec3::X * tiny, Vec3::ZERO]));
         assert!(!is_degenerate([Vec3::ZERO, Vec3::ONE, Vec3::new(2.0, 2.0, 2.000_000_2)]));
     }
+
+    #[test]
+    fn sums_are_exact() {
+        let tiny = 2.0f64.powi(-200);
+        assert!(!sums_to_zero([1.0, tiny, -1.0, 0.0, 0.0, 0.0]));
+        assert!(!sums_to_zero([1.0, 1.0, -tiny, 1.0, -3.0, 0.0]));
+        assert!(sums_to_zero([1.0, tiny, -1.0, 0.5 * tiny, 0.5 * tiny, -2.0 * tiny]));
+    }
 }

@@ -30,10 +30,11 @@ pub(super) fn lights(bounds: &Aabb) -> Vec<Light> {
     vec![light([-0.6, 1.0, 0.8], 1.0), light([1.0, 0.3, 0.5], 0.5)]
 }
 
-/// Sphere around a box, never so small that points beside it round to its centre.
+/// Sphere around a box, never so small that points beside it round to its centre, or that the square of its radius
+/// vanishes in f32.
 fn sphere(bounds: &Aabb) -> (DVec3, f64) {
     let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
     let center = 0.5 * (min + max);
     let least = 1.0e-5 * center.abs().max_element();
-    (center, (0.5 * (max - min).length()).max(least).max(1.0e-30))
+    (center, (0.5 * (max - min).length()).max(least).max(1.0e-15))
 }

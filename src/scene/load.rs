@@ -1,10 +1,9 @@
 //! From what a user types to a scene.
 
 use super::{
-    DEFAULT_SIZE, Scene, TriangleMesh, area, description, framing,
+    DEFAULT_SIZE, Scene, TriangleMesh, description, framing,
     library::{Described, Library, has_extension},
     obj, procedural,
-    tally::{DEGENERATE, Tally},
 };
 use crate::{
     error::{Error, Result},
@@ -107,26 +106,24 @@ fn parse_detail(spec: &str, detail: &str) -> Result<f32> {
 
 /// A mesh without a scene file: [`framing`] gives it a camera and lights.
 fn bare(path: &Path) -> Result<Scene> {
-    let obj::Model { mesh, materials, warnings } = obj::read(path)?;
+    let mut model = obj::read(path)?;
+    model.drop_degenerate(path);
+    let obj::Model { mesh, materials, warnings } = model;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     finish(path, name, mesh, materials, warnings, None, Vec::new(), Vec3::ZERO)
 }
 
-/// What all readers end with: triangles without area are dropped and counted, and where there is no camera, or no
-/// light at all, [`framing`] gives one.
+/// What all readers end with: where there is no camera, or no light at all, [`framing`] gives one.
 pub(super) fn finish(
     path: &Path,
     name: String,
-    mut mesh: TriangleMesh,
+    mesh: TriangleMesh,
     materials: Vec<Material>,
-    mut warnings: Vec<String>,
+    warnings: Vec<String>,
     camera: Option<CameraDescription>,
     mut lights: Vec<Light>,
     ambient: Vec3,
 ) -> Result<Scene> {
-    let mut tally = Tally::new(path.display());
-    tally.add(area::drop_degenerate(&mut mesh), DEGENERATE);
-    warnings.extend(tally.sentences());
     if mesh.is_empty() {
         return Err(Error::file(path, "holds only triangles of zero area", "check its vertices and scale"));
     }

@@ -42,6 +42,9 @@ pub struct CameraDescription {
 /// Image size of a scene that asks for no other.
 pub const DEFAULT_SIZE: [u32; 2] = [1024, 1024];
 
+/// No coordinate of a scene is greater than this: squares of distances then stay finite in f32.
+pub const MAX_COORDINATE: f32 = 1.0e18;
+
 /// Everything one image is a function of, except sampling.
 #[derive(Clone, Debug)]
 pub struct Scene {

@@ -51,8 +51,7 @@ fn camera(source: &Source<'_>, value: &Spanned<Camera>) -> Result<CameraDescript
     let up = camera.up.as_ref().map_or(Ok(Vec3::Y), |up| source.vector("up", up))?;
     let valid = |fov: f32| fov > 0.0 && fov < 180.0;
     let fov_deg = source.within("fov", &camera.fov, valid, "must be between 0 and 180 degrees")?;
-    // The camera works in f32, so it must be in f32 that the direction exists.
-    source.check("at", &camera.at, (at - eye).is_finite(), "is too far from `eye`")?;
+    // The camera works in f32, so it must be in f32 that there is a direction.
     source.check("at", &camera.at, (at - eye).try_normalize().is_some(), "must differ from `eye`")?;
     let side = (at - eye).as_dvec3().normalize().cross(up.as_dvec3().normalize_or_zero());
     if side.length() < 1.0e-6 {

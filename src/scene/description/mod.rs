@@ -6,7 +6,7 @@ mod schema;
 mod source;
 
 use super::{
-    CameraDescription, Light, Material, Part, Scene, TriangleMesh,
+    CameraDescription, Light, MAX_COORDINATE, Material, Part, Scene, TriangleMesh,
     library::{Library, MeshPlace},
     load::finish,
     obj,
@@ -86,9 +86,10 @@ impl Description {
         for (wanted, file) in self.meshes.iter().zip(&files) {
             let mut model = obj::read(file)?;
             if !wanted.placement.apply(&mut model.mesh) {
-                let what = "scale, rotation and translation move a vertex beyond the range of 32-bit numbers";
+                let what = format!("it is moved beyond the range of coordinates, {MAX_COORDINATE:e}");
                 return Err(source.error(wanted.file.span(), what, "use smaller ones"));
             }
+            model.drop_degenerate(file);
             if let Some(material) = &wanted.material {
                 painted.push((mesh.len()..mesh.len() + model.mesh.len(), material));
                 model.materials.clear();

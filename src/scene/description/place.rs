@@ -1,7 +1,7 @@
 //! Putting a mesh in its place: scale, then rotation about x, y and z, then translation.
 
-use crate::scene::TriangleMesh;
-use glam::{DMat3, DVec3};
+use crate::scene::{MAX_COORDINATE, TriangleMesh};
+use glam::{DMat3, DVec3, Vec3};
 
 /// Where a scene file puts a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +21,7 @@ impl Default for Placement {
 }
 
 impl Placement {
-    /// Moves the vertices, computed in f64 and rounded once. False if one of them is no longer finite.
+    /// Moves the vertices, computed in f64 and rounded once. False if one of them gets out of range.
     pub(super) fn apply(&self, mesh: &mut TriangleMesh) -> bool {
         if *self == Placement::default() {
             return true;
@@ -41,7 +41,8 @@ impl Placement {
         if self.scale.iter().product::<f64>() < 0.0 {
             mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
         }
-        mesh.positions.iter().all(|position| position.is_finite())
+        // False for NaN, too.
+        mesh.positions.iter().all(|position| position.abs().cmple(Vec3::splat(MAX_COORDINATE)).all())
     }
 }
 
@@ -70,7 +71,6 @@ fn about(axis: usize, degrees: f64) -> DMat3 {
 mod tests {
     use super::*;
     use crate::scene::Part;
-    use glam::Vec3;
 
     fn corner() -> TriangleMesh {
         TriangleMesh {

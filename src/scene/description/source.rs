@@ -1,7 +1,10 @@
 //! The text of a scene file and the checks that name a place in it.
 
 use super::schema::Triple;
-use crate::error::{Error, Result};
+use crate::{
+    error::{Error, Result},
+    scene::MAX_COORDINATE,
+};
 use glam::{DVec3, Vec3};
 use std::{ops::Range, path::Path};
 use toml::Spanned;
@@ -37,10 +40,11 @@ impl Source<'_> {
         Ok(*value.get_ref() as f32)
     }
 
-    /// Three numbers that are finite as f32.
+    /// Three numbers that can be coordinates.
     pub(super) fn vector(&self, key: &str, value: &Spanned<[f64; 3]>) -> Result<Vec3> {
         let vector = DVec3::from_array(*value.get_ref()).as_vec3();
-        self.check(key, value, vector.is_finite(), "must be three finite numbers")?;
+        let valid = vector.is_finite() && vector.abs().max_element() <= MAX_COORDINATE;
+        self.check(key, value, valid, &format!("must be three finite numbers, at most {MAX_COORDINATE:e}"))?;
         Ok(vector)
     }
 

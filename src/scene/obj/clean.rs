@@ -8,7 +8,7 @@
 use super::lines::{Statement, for_each_statement};
 use crate::{
     error::{Error, Result},
-    scene::tally::Tally,
+    scene::{MAX_COORDINATE, tally::Tally},
 };
 use std::{io::Write, path::Path};
 
@@ -143,12 +143,22 @@ impl Cleaner<'_> {
         }
     }
 
+    /// A number that may be a coordinate.
+    fn coordinate(&self, line: usize, word: &str) -> Result<f32> {
+        let value = self.number(line, word)?;
+        if value.abs() > MAX_COORDINATE {
+            let what = format!("`{word}` is beyond the range of coordinates, {MAX_COORDINATE:e}");
+            return self.error(line, what, "scale the mesh down");
+        }
+        Ok(value)
+    }
+
     fn position(&mut self, line: usize, rest: &str) -> Result<()> {
         let words: Vec<&str> = rest.split_whitespace().collect();
         let &[x, y, z, ref more @ ..] = &words[..] else {
             return self.error(line, "a vertex needs three coordinates", "complete the line");
         };
-        let position = [self.number(line, x)?, self.number(line, y)?, self.number(line, z)?];
+        let position = [self.coordinate(line, x)?, self.coordinate(line, y)?, self.coordinate(line, z)?];
         let w = match more {
             &[w] => self.number(line, w)?,
             [] => 1.0,
@@ -163,8 +173,8 @@ impl Cleaner<'_> {
             let _ = writeln!(out, "v {x} {y} {z}");
         } else {
             let [x, y, z] = position.map(|c| (f64::from(c) / f64::from(w)) as f32);
-            if ![x, y, z].iter().all(|c| c.is_finite()) {
-                let what = format!("dividing by the weight {w} gives no finite 32-bit position");
+            if ![x, y, z].iter().all(|c| c.abs() <= MAX_COORDINATE) {
+                let what = format!("dividing by the weight {w} gives no usable position");
                 return self.error(line, what, "correct the fourth number");
             }
             let _ = writeln!(out, "v {x} {y} {z}");

@@ -13,7 +13,11 @@ mod lines;
 mod mtl;
 mod polygon;
 
-use super::{Material, Part, TriangleMesh, tally::Tally, text::read_lossy};
+use super::{
+    Material, Part, TriangleMesh, area,
+    tally::{DEGENERATE, Tally},
+    text::read_lossy,
+};
 use crate::error::{Error, Result};
 use clean::{Cleaned, Section, clean};
 use glam::Vec3;
@@ -31,6 +35,16 @@ pub(super) struct Model {
     pub(super) materials: Vec<Material>,
     /// Counted warnings.
     pub(super) warnings: Vec<String>,
+}
+
+impl Model {
+    /// Drops the triangles of exactly zero area and counts them in the warnings. Comes last, because moving the
+    /// vertices rounds them.
+    pub(super) fn drop_degenerate(&mut self, path: &Path) {
+        let mut tally = Tally::new(path.display());
+        tally.add(area::drop_degenerate(&mut self.mesh), DEGENERATE);
+        self.warnings.extend(tally.sentences());
+    }
 }
 
 /// Reads an OBJ file and the MTL files it names.

@@ -56,7 +56,8 @@ fn clip_ears(flat: &[DVec2]) -> Option<Vec<[usize; 3]>> {
         rest.remove(ear);
     }
     triangles.push([rest[0], rest[1], rest[2]]);
-    Some(triangles)
+    // What remains of a polygon that crosses itself may be turned over.
+    (turn(flat[rest[0]], flat[rest[1]], flat[rest[2]]) >= 0.0).then_some(triangles)
 }
 
 /// True if corner `i` sticks out and no other corner of the rest lies in the triangle it makes with its neighbours.

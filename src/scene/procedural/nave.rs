@@ -88,7 +88,7 @@ impl Palette {
         Palette {
             stone: b.material(matt("stone", [0.64, 0.59, 0.50])),
             carved: b.material(matt("carved stone", [0.72, 0.67, 0.57])),
-            shaft: b.material(polished("dark shaft", [0.30, 0.29, 0.30], 0.22, 40.0)),
+            shaft: b.material(polished("dark shaft", [0.36, 0.32, 0.30], 0.22, 40.0)),
             web: b.material(matt("vault", [0.74, 0.70, 0.62])),
             ashlar: ashlar.map(|kd| b.material(matt("ashlar", kd))),
             tiles: tiles.map(|kd| b.material(polished("floor", kd, 0.12, 30.0))),
@@ -127,7 +127,7 @@ pub(super) fn nave(detail: f32) -> Scene {
     b.part("altar");
     b.at(moved(HALF + 0.3, 0.0, 0.0), |b| altar(b, &m));
     b.part("chandeliers");
-    for x in [-8.0, 0.0, 8.0] {
+    for x in [-3.0, 5.0] {
         let iron = [m.iron, m.wax, m.flame];
         b.at(moved(x, SPRINGING + VAULT.rise(), 0.0), |b| furniture::chandelier(b, 8.4, iron));
     }
@@ -137,7 +137,7 @@ pub(super) fn nave(detail: f32) -> Scene {
         up: Vec3::Y,
         fov_deg: 68.0,
     };
-    b.finish("nave", lights(), camera, Vec3::new(0.15, 0.16, 0.19), Vec3::new(0.72, 0.84, 1.0))
+    b.finish("nave", lights(), camera, Vec3::new(0.10, 0.115, 0.15), Vec3::new(0.72, 0.84, 1.0))
 }
 
 fn lights() -> Vec<Light> {
@@ -147,10 +147,10 @@ fn lights() -> Vec<Light> {
         falloff,
     };
     vec![
-        light(Vec3::new(24.0, 82.0, 46.0), [1.7, 1.38, 0.95], Falloff::None),
-        light(Vec3::new(-11.0, 9.5, -1.5), [0.22, 0.25, 0.32], Falloff::None),
+        light(Vec3::new(-26.0, 62.0, 50.0), [2.3, 1.80, 1.15], Falloff::None),
+        light(Vec3::new(-11.0, 9.5, -1.5), [0.17, 0.20, 0.27], Falloff::None),
         light(Vec3::new(HALF - 1.6, 4.6, 0.0), [15.0, 9.5, 4.6], Falloff::InverseSquare),
-        light(Vec3::new(0.0, 5.0, 0.0), [9.0, 6.4, 3.6], Falloff::InverseSquare),
+        light(Vec3::new(-3.0, 4.9, 0.0), [9.0, 6.4, 3.6], Falloff::InverseSquare),
     ]
 }
 
@@ -337,7 +337,7 @@ fn altar(b: &mut Builder, m: &Palette) {
     }
     b.paint(m.carpet);
     let cells = [b.steps(1.0, 1), b.steps(24.0, 1)];
-    b.quad(cells, Vec3::new(-3.42, 0.012, -0.55), Vec3::Z * 1.1, Vec3::NEG_X * -0.001 - Vec3::X * 22.0);
+    b.quad(cells, Vec3::new(-3.42, 0.012, -0.55), Vec3::Z * 1.1, Vec3::NEG_X * 22.0);
     b.at(moved(0.2, 0.48, 0.0), |b| {
         furniture::altar(b, m.marble, m.linen, m.gold);
         for z in [-1.25, -0.9, -0.55, 0.55, 0.9, 1.25] {

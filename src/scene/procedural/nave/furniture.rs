@@ -20,7 +20,7 @@ pub(super) fn pew(b: &mut Builder, length: f32) {
 
 /// A board 0.06 thick towards +z, its top swung up to a knob at the back.
 fn pew_end(b: &mut Builder) {
-    let (along, up) = (b.steps(7.0, 3), b.steps(1.0, 1));
+    let (along, up) = (b.steps(6.0, 3), b.steps(1.0, 1));
     let top = |u: f32| 0.62 + 0.45 * (0.5 + 0.5 * (PI * u).cos()).powi(2);
     let at = |u: f32, v: f32, z: f32| Vec3::new(0.56 * u - 0.28, -0.02 + (top(u) + 0.02) * v, z);
     b.patch([along, up], false, |u, v| at(u, v, 0.06));
@@ -29,14 +29,14 @@ fn pew_end(b: &mut Builder) {
     b.quad([1, 1], at(0.0, 0.0, 0.0), Vec3::Z * 0.06, at(0.0, 1.0, 0.0) - at(0.0, 0.0, 0.0));
     b.quad([1, 1], at(1.0, 0.0, 0.06), Vec3::NEG_Z * 0.06, at(1.0, 1.0, 0.0) - at(1.0, 0.0, 0.0));
     b.at(moved(-0.25, 1.1, 0.03), |b| {
-        let cells = [b.steps(7.0, 4), b.steps(5.0, 2)];
+        let cells = [b.steps(6.0, 4), b.steps(4.0, 2)];
         b.turned(cells, |v| Vec2::new(0.055 * (PI * v).sin(), -0.06 * (PI * v).cos()));
     });
 }
 
 /// A candle of `height` on the origin with its flame.
 pub(super) fn candle(b: &mut Builder, height: f32, radius: f32, wax: u32, flame: u32) {
-    let around = b.steps(8.0, 4);
+    let around = b.steps(7.0, 4);
     b.paint(wax);
     b.lathe(&[Vec2::new(radius, 0.0), Vec2::new(radius, height), Vec2::new(0.0, height)], around);
     b.paint(flame);

@@ -11,7 +11,7 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 /// A pier on the origin: a core with eight shafts, each with base and capital, under one abacus.
 pub(super) fn clustered_pier(b: &mut Builder, height: f32, core: f32, stone: u32, shaft: u32) {
     b.paint(stone);
-    let around = b.steps(16.0, 8);
+    let around = b.steps(12.0, 6);
     let p = Vec2::new;
     let foot = core + 0.24;
     b.lathe(&[p(foot, -0.02), p(foot, 0.25), p(foot - 0.06, 0.33), p(foot - 0.2, 0.34)], around);
@@ -26,13 +26,13 @@ pub(super) fn clustered_pier(b: &mut Builder, height: f32, core: f32, stone: u32
 
 /// A slender shaft of `height` on the origin with a moulded base and a capital.
 pub(super) fn colonnette(b: &mut Builder, height: f32, r: f32, [stone, shaft]: [u32; 2]) {
-    let around = b.steps(7.0, 4);
-    let curve = b.steps(3.0, 1);
+    let around = b.steps(6.0, 4);
+    let curve = b.steps(2.0, 1);
     b.paint(stone);
     b.turned([around, curve], |v| Vec2::new(r * (1.05 + 0.5 * (PI * v).sin()), 0.16 * v));
     b.turned([around, curve], |v| Vec2::new(r * (1.0 + 0.65 * v * v), height - 0.34 * (1.0 - v)));
     b.paint(shaft);
-    let up = b.steps(3.0, 1);
+    let up = b.steps(1.0, 1);
     b.turned([around, up], |v| Vec2::new(r, 0.15 + (height - 0.48) * v));
 }
 
@@ -41,7 +41,7 @@ pub(super) fn ribbed_vault(b: &mut Builder, arch: Arch, half: Vec2, [web, rib]: 
     b.paint(web);
     groin_vault(b, arch, half.x, half.y);
     b.paint(rib);
-    let cells = [b.steps(6.0, 3), b.steps(9.0, 3)];
+    let cells = [b.steps(5.0, 3), b.steps(7.0, 2)];
     for (x, z) in [(half.x, half.y), (-half.x, half.y), (half.x, -half.y), (-half.x, -half.y)] {
         let side = Vec3::new(z, 0.0, -x).normalize();
         bar(b, cells, radius, side, |v| {
@@ -54,7 +54,7 @@ pub(super) fn ribbed_vault(b: &mut Builder, arch: Arch, half: Vec2, [web, rib]: 
 
 /// A knob where ribs meet.
 fn boss(b: &mut Builder, height: f32, radius: f32) {
-    let cells = [b.steps(12.0, 5), b.steps(5.0, 2)];
+    let cells = [b.steps(8.0, 4), b.steps(4.0, 2)];
     b.turned(cells, |v| {
         let (sin, cos) = (PI * v).sin_cos();
         Vec2::new(radius * sin, height - 0.5 * radius - 0.6 * radius * cos)
@@ -63,7 +63,7 @@ fn boss(b: &mut Builder, height: f32, radius: f32) {
 
 /// A rib across a vault from wall to wall, in the plane x = 0.
 pub(super) fn transverse_rib(b: &mut Builder, arch: Arch, half: f32, radius: f32) {
-    let cells = [b.steps(7.0, 4), b.steps(10.0, 3)];
+    let cells = [b.steps(6.0, 3), b.steps(8.0, 2)];
     for z in [-half, half] {
         bar(b, cells, radius, Vec3::X * z.signum(), |v| {
             let s = (v * FRAC_PI_2).sin();
@@ -109,8 +109,8 @@ pub(super) fn tracery(b: &mut Builder, window: Window) {
     let Window { arch, sill, springing } = window;
     let h = arch.half;
     let (thin, thick) = (0.045 * h.max(0.8), 0.07 * h.max(0.8));
-    let cells = [b.steps(5.0, 3), b.steps(6.0, 3)];
-    let upright = [b.steps(5.0, 3), b.steps(1.0, 1)];
+    let cells = [b.steps(4.0, 3), b.steps(5.0, 2)];
+    let upright = [cells[0], b.steps(1.0, 1)];
     for x in [-h, 0.0, h] {
         bar(b, upright, thick, Vec3::Z, |v| Vec3::new(x, sill + (springing - sill) * v, 0.0));
     }
@@ -126,10 +126,11 @@ pub(super) fn tracery(b: &mut Builder, window: Window) {
     let (centre, ring) = (Vec3::new(0.0, springing + 0.98 * h, 0.0), 0.36 * h);
     let circle = |r: f32, v: f32| Vec3::new(r * (TAU * v).cos(), r * (TAU * v).sin(), 0.0);
     bar(b, [cells[0], 2 * cells[1]], thin, Vec3::Z, |v| centre + circle(ring, v));
-    for k in 0..4 {
+    // Coarse circles are empty.
+    for k in 0..4 * b.steps(1.0, 0).min(1) {
         let (sin, cos) = ((k as f32 + 0.5) * FRAC_PI_2).sin_cos();
         let place = centre + 0.5 * ring * Vec3::new(cos, sin, 0.0);
-        bar(b, [cells[0], cells[1]], 0.6 * thin, Vec3::Z, |v| place + circle(0.42 * ring, v));
+        bar(b, cells, 0.6 * thin, Vec3::Z, |v| place + circle(0.42 * ring, v));
     }
 }
 
@@ -157,9 +158,9 @@ pub(super) fn stained_glass(b: &mut Builder, window: Window, glass: &[u32], seed
 pub(super) fn arcade_mouldings(b: &mut Builder, arch: Arch, thick: f32) {
     let z = 0.5 * thick;
     let p = |out: f32, depth: f32| Vec2::new(out, z + depth);
-    let rolls: Vec<Vec2> = (0..=4)
+    let rolls: Vec<Vec2> = (0..=3)
         .map(|k| {
-            let (sin, cos) = (PI * k as f32 / 4.0).sin_cos();
+            let (sin, cos) = (PI * k as f32 / 3.0).sin_cos();
             p(0.12 - 0.07 * cos, 0.03 + 0.09 * sin)
         })
         .collect();

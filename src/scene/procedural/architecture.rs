@@ -74,7 +74,7 @@ impl Arch {
     }
 
     /// Height over the springing at `q` in [0, 1], from the axis to the springing.
-    fn height(self, q: f32) -> f32 {
+    pub(super) fn height(self, q: f32) -> f32 {
         let (radius, centre) = (self.point, 1.0 - self.point);
         self.half * (radius * radius - (q - centre) * (q - centre)).max(0.0).sqrt()
     }
@@ -251,5 +251,17 @@ fn acanthus(b: &mut Builder, r: f32, low: f32, long: f32, lift: f32) {
         let side = 2.0 * u - 1.0;
         let out = r * (0.88 + 0.2 * lift * v + 0.12 * v + 0.42 * v.powi(4) - 0.12 * side * side);
         Vec3::new(half * side, low + long * (v - 0.22 * v.powi(6)), out)
+    });
+}
+
+/// A round bar of `radius` along `path`, which lies in the plane at right angles to `side`; `cells` counts around and
+/// along.
+pub(super) fn bar(b: &mut Builder, cells: [usize; 2], radius: f32, side: Vec3, path: impl Fn(f32) -> Vec3) {
+    const STEP: f32 = 1.0 / 256.0;
+    b.patch(cells, true, |u, v| {
+        let middle = v.clamp(STEP, 1.0 - STEP);
+        let tangent = (path(middle + STEP) - path(middle - STEP)).normalize();
+        let (sin, cos) = (2.0 * PI * u).sin_cos();
+        path(v) + radius * (side * cos + tangent.cross(side) * sin)
     });
 }

@@ -84,3 +84,6 @@ pub fn summary(name: &str) -> &'static str {
 fn find(name: &str) -> Option<&'static Entry> {
     TABLE.iter().find(|entry| entry.name == name)
 }
+
+#[cfg(test)]
+mod tests;

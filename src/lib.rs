@@ -20,3 +20,4 @@ pub mod render;
 pub mod output;
 pub mod study;
 pub mod report;
+pub mod cli;

@@ -1,2 +1,5 @@
 //! The `irt` command.
-fn main() {}
+
+fn main() -> std::process::ExitCode {
+    irt::cli::main()
+}

@@ -1,5 +1,7 @@
 //! The one integration-test binary; a module per subject.
 
 mod agree; // every kernel against brute force
+mod cli; // the commands as users run them
+mod layering; // who may know whom
 mod scene_load; // readers, scene descriptions, names
 mod support; // oracles, meshes, random numbers

@@ -1,0 +1,179 @@
+//! What was typed. Values are checked one by one here; what they mean together is settled in `options`.
+
+use super::value::{IsaChoice, field_of_view, number, one_of, size, vector, whole};
+use crate::{bvh::BuildPreset, scene::procedural, schedule::Strategy, tile::Order, trace::KernelChoice};
+use clap::{Args, Parser, Subcommand};
+use glam::Vec3;
+use std::path::PathBuf;
+
+/// Render, inspect and list scenes with pinned workers, ordered tiles and SIMD kernels.
+#[derive(Debug, Parser)]
+#[command(name = "irt", version, propagate_version = true)]
+pub(super) struct CommandLine {
+    /// What to do.
+    #[command(subcommand)]
+    pub(super) command: Command,
+    /// How much to tell.
+    #[command(flatten)]
+    pub(super) talk: Talk,
+}
+
+/// How much is told on the terminal.
+#[derive(Args, Clone, Copy, Debug)]
+pub(super) struct Talk {
+    /// Tell nothing but results and errors: no progress, no warnings, no summary of a render
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub(super) quiet: bool,
+    /// Tell also what helps to find a fault
+    #[arg(short, long, global = true)]
+    pub(super) verbose: bool,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Render a scene to an image file
+    Render(Box<RenderArgs>),
+    /// Tell what is in a scene, and how good the tree over it is
+    Inspect(InspectArgs),
+    /// List the built-in and the described scenes
+    Scenes(ScenesArgs),
+}
+
+/// `irt render`.
+#[derive(Args, Debug)]
+pub(super) struct RenderArgs {
+    /// A TOML scene, an OBJ file or the name of a built-in scene
+    #[arg(default_value = procedural::DEFAULT)]
+    pub(super) scene: String,
+    /// Image to write; its extension tells the format: .png, .exr, .hdr or .pfm
+    #[arg(short, long, value_name = "FILE", default_value = "render.png")]
+    pub(super) output: PathBuf,
+    /// Exposure in stops, for .png only: the other formats keep linear values
+    #[arg(long, value_name = "STOPS", default_value = "0", value_parser = number, allow_hyphen_values = true)]
+    pub(super) exposure: f32,
+    /// Width and height of the image in pixels [default: the scene's]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(super) size: Option<[u32; 2]>,
+    /// Render the image this many times, to measure
+    #[arg(
+        long, value_name = "N", default_value = "1",
+        value_parser = whole(1..=1_000_000u32), allow_negative_numbers = true
+    )]
+    pub(super) frames: u32,
+    /// Seed of the samplers
+    #[arg(
+        long, value_name = "N", default_value = "0",
+        value_parser = whole(0..=u64::MAX), allow_negative_numbers = true
+    )]
+    pub(super) seed: u64,
+    /// Write the figures of the summary as JSON; - is standard output
+    #[arg(long, value_name = "FILE")]
+    pub(super) export_json: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) view: ViewArgs,
+    #[command(flatten)]
+    pub(super) engine: EngineArgs,
+}
+
+/// What replaces the scene's own camera and lights.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Camera and lights")]
+pub(super) struct ViewArgs {
+    /// Position of the camera
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    pub(super) camera_eye: Option<Vec3>,
+    /// Point in the middle of the image
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    pub(super) camera_at: Option<Vec3>,
+    /// Vector that points up in the image
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    pub(super) camera_up: Option<Vec3>,
+    /// Vertical angle of view in degrees
+    #[arg(long, value_name = "DEG", value_parser = field_of_view, allow_hyphen_values = true)]
+    pub(super) fov: Option<f32>,
+    /// A white point light instead of the scene's lights; repeat for more, which share the strength of one
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    pub(super) light: Vec<Vec3>,
+}
+
+/// How to compute; none of these changes the image.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Engine (none of these changes the image)")]
+pub(super) struct EngineArgs {
+    /// Worker threads [default: one per physical core]
+    #[arg(long, value_name = "N", value_parser = whole(1..=1024usize), allow_negative_numbers = true)]
+    pub(super) threads: Option<usize>,
+    /// Pin each worker to a core (the default)
+    #[arg(long, overrides_with = "no_pin")]
+    pub(super) pin: bool,
+    /// Leave the workers to the operating system
+    #[arg(long, overrides_with = "pin")]
+    pub(super) no_pin: bool,
+    /// Instruction set of the kernels; auto takes the widest of this machine
+    #[arg(long, default_value = "auto", value_parser = one_of::<IsaChoice>())]
+    pub(super) isa: IsaChoice,
+    /// Kernel for rays with a common origin
+    #[arg(long, default_value = KernelChoice::default().name(), value_parser = one_of::<KernelChoice>())]
+    pub(super) kernel: KernelChoice,
+    /// Order of the tiles
+    #[arg(long, default_value = Order::default().name(), value_parser = one_of::<Order>())]
+    pub(super) order: Order,
+    /// Which worker gets which tile when
+    #[arg(long, default_value = Strategy::default().name(), value_parser = one_of::<Strategy>())]
+    pub(super) schedule: Strategy,
+    /// Side of a tile in pixels
+    #[arg(
+        long, value_name = "N", default_value = "64",
+        value_parser = whole(1..=1024u32), allow_negative_numbers = true
+    )]
+    pub(super) tile: u32,
+    /// Time to spend on the tree
+    #[arg(long, default_value = BuildPreset::default().name(), value_parser = one_of::<BuildPreset>())]
+    pub(super) build: BuildPreset,
+}
+
+/// `irt inspect`.
+#[derive(Args, Debug)]
+pub(super) struct InspectArgs {
+    /// A TOML scene, an OBJ file or the name of a built-in scene
+    pub(super) scene: String,
+    /// Time to spend on the tree
+    #[arg(long, default_value = BuildPreset::default().name(), value_parser = one_of::<BuildPreset>())]
+    pub(super) build: BuildPreset,
+    /// Write the same as JSON; - is standard output
+    #[arg(long, value_name = "FILE")]
+    pub(super) export_json: Option<PathBuf>,
+}
+
+/// `irt scenes`.
+#[derive(Args, Debug)]
+pub(super) struct ScenesArgs {
+    #[command(flatten)]
+    pub(super) export: ExportArgs,
+}
+
+/// Files that a printed table is also written to.
+#[derive(Args, Debug)]
+pub(super) struct ExportArgs {
+    /// Write the table as JSON; - is standard output
+    #[arg(long, value_name = "FILE")]
+    pub(super) export_json: Option<PathBuf>,
+    /// Write the table as CSV; - is standard output
+    #[arg(long, value_name = "FILE")]
+    pub(super) export_csv: Option<PathBuf>,
+    /// Write the table as Markdown; - is standard output
+    #[arg(long, value_name = "FILE")]
+    pub(super) export_markdown: Option<PathBuf>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        CommandLine::command().debug_assert();
+    }
+}

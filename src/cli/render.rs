@@ -1,0 +1,156 @@
+//! `irt render`.
+
+use super::{
+    args::{RenderArgs, Talk},
+    effects::effects,
+    export::Export,
+    interrupt,
+    options::{check, render_options, replace_view},
+    terminal::{self, Progress},
+};
+use crate::{
+    error::Result,
+    output::OutputFile,
+    render::{FrameReport, RenderOptions, Rendered, render},
+    report::{BuildSummary, FrameSummary, RayCounts, StageSeconds, Summary, WorkerSummary, to_json},
+    scene::{Scene, load},
+    schedule::Control,
+};
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// Renders a scene to a file and sums up what it took.
+///
+/// # Errors
+/// Whatever is wrong with the arguments, the scene or the disk; no file is left behind then.
+pub(super) fn run(args: &RenderArgs, talk: Talk) -> Result<()> {
+    check(args)?;
+    interrupt::install()?;
+    let output = OutputFile::create(&args.output)?;
+    let export = Export::open(args.export_json.as_deref())?;
+
+    let start = Instant::now();
+    let mut scene = load(&args.scene)?;
+    let load_seconds = start.elapsed().as_secs_f64();
+    for warning in &scene.warnings {
+        log::warn!("{warning}");
+    }
+    replace_view(&mut scene, &args.view)?;
+    let options = render_options(args, &scene)?;
+    let rendered = render_with_progress(&scene, &options, talk)?;
+    warn_about(&scene, &rendered);
+
+    let start = Instant::now();
+    output.write(&rendered.film, args.exposure)?;
+    let write_seconds = start.elapsed().as_secs_f64();
+    log::info!("{} is written", args.output.display());
+    let summary = summarise(&scene, &options, &rendered, load_seconds, write_seconds);
+    let stdout_taken = export.is_stdout();
+    export.write(|| to_json(&summary))?;
+    match (talk.quiet, stdout_taken) {
+        (true, _) => Ok(()),
+        (false, true) => {
+            terminal::note(&summary.to_string());
+            Ok(())
+        }
+        (false, false) => terminal::print(&summary.to_string()),
+    }
+}
+
+fn render_with_progress(scene: &Scene, options: &RenderOptions, talk: Talk) -> Result<Rendered> {
+    let bar = Progress::new(options.frames, talk);
+    let tick = |frame: crate::schedule::Progress| bar.tick(frame.total as u64 * u64::from(options.frames));
+    render(scene, options, &Control::new(interrupt::flag(), &tick))
+}
+
+/// Tells about what is probably not what the user wanted.
+fn warn_about(scene: &Scene, rendered: &Rendered) {
+    if scene.lights.is_empty() {
+        log::warn!("the scene has no light, only ambient light is seen; add some with --light X,Y,Z");
+    }
+    if let Some(nan) = rendered.nan {
+        log::warn!(
+            "{} pixels, the first at ({}, {}), came out as NaN and were written black; please report this",
+            nan.count,
+            nan.x,
+            nan.y
+        );
+    }
+}
+
+fn summarise(
+    scene: &Scene,
+    options: &RenderOptions,
+    rendered: &Rendered,
+    load_seconds: f64,
+    write_seconds: f64,
+) -> Summary {
+    let workers = workers(&rendered.frames);
+    let per_worker = 1.0 / workers.len().max(1) as f64;
+    let sum = |seconds: fn(&FrameReport) -> f64| rendered.frames.iter().map(seconds).sum::<f64>();
+    Summary {
+        scene: scene.name.clone(),
+        triangles: scene.mesh.len() as u64,
+        size: options.size,
+        threads: workers.len(),
+        isa: rendered.isa.to_string(),
+        kernel: options.kernel.to_string(),
+        order: options.order.to_string(),
+        schedule: options.schedule.to_string(),
+        film: "shared".into(),
+        tile: options.tile,
+        visibility: "exact".into(),
+        effects: effects(scene),
+        build: BuildSummary {
+            seconds: rendered.build_seconds,
+            bytes: rendered.tree_bytes as u64,
+            preset: options.build.to_string(),
+        },
+        load_seconds,
+        stages: StageSeconds {
+            load: load_seconds,
+            build: rendered.build_seconds,
+            trace: sum(|frame| frame.trace_seconds) * per_worker,
+            shade: sum(|frame| frame.shade_seconds) * per_worker,
+            write: write_seconds,
+        },
+        frames: rendered.frames.iter().map(frame_summary).collect(),
+        counters: counters(rendered, &workers),
+        workers,
+    }
+}
+
+fn frame_summary(frame: &FrameReport) -> FrameSummary {
+    let rays = RayCounts { primary: frame.rays.primary, shadow: frame.rays.shadow, ..RayCounts::default() };
+    FrameSummary {
+        seconds: frame.seconds,
+        rays,
+        mrays_per_s: rays.total() as f64 / frame.seconds.max(1e-9) * 1e-6,
+        image_sha256: frame.image_sha256.clone(),
+    }
+}
+
+/// Each worker, over all frames.
+fn workers(frames: &[FrameReport]) -> Vec<WorkerSummary> {
+    let mut sums: Vec<WorkerSummary> = vec![];
+    for frame in frames {
+        sums.resize_with(frame.workers.len(), || WorkerSummary {
+            pinned: String::new(),
+            busy_seconds: 0.0,
+            tiles: 0,
+        });
+        for (sum, worker) in sums.iter_mut().zip(&frame.workers) {
+            sum.pinned = worker.pinned.to_string();
+            sum.busy_seconds += worker.busy_seconds;
+            sum.tiles += worker.tiles as u64;
+        }
+    }
+    sums
+}
+
+fn counters(rendered: &Rendered, workers: &[WorkerSummary]) -> BTreeMap<String, u64> {
+    BTreeMap::from([
+        ("tiles".into(), workers.iter().map(|worker| worker.tiles).sum()),
+        ("nan_pixels".into(), rendered.nan.map_or(0, |nan| nan.count)),
+    ])
+}

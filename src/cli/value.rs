@@ -1,0 +1,190 @@
+//! Parsers of single values. Each failure reads on after the flag: "what is wrong; the remedy".
+
+use crate::{bvh::BuildPreset, kernels::Isa, schedule::Strategy, tile::Order, trace::KernelChoice};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use glam::Vec3;
+use std::{fmt::Display, ops::RangeInclusive, str::FromStr};
+
+/// A mode of the library: the values it can take and their names are told by its own module, nowhere else.
+pub(super) trait Mode: Copy + Send + Sync + 'static {
+    /// Every value there is.
+    fn all() -> impl Iterator<Item = Self>;
+    /// Name on the command line and in reports.
+    fn name(self) -> &'static str;
+}
+
+macro_rules! modes {
+    ($($mode:ty),*) => {$(
+        impl Mode for $mode {
+            fn all() -> impl Iterator<Item = Self> {
+                <$mode>::ALL.into_iter()
+            }
+
+            fn name(self) -> &'static str {
+                <$mode>::name(self)
+            }
+        }
+    )*};
+}
+
+modes!(BuildPreset, Isa, KernelChoice, Order, Strategy);
+
+/// What `--isa` takes.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum IsaChoice {
+    /// The widest one of this machine.
+    Auto,
+    /// This one or an error.
+    Only(Isa),
+}
+
+impl IsaChoice {
+    /// `None` for the widest one of this machine.
+    pub(super) fn isa(self) -> Option<Isa> {
+        match self {
+            IsaChoice::Auto => None,
+            IsaChoice::Only(isa) => Some(isa),
+        }
+    }
+}
+
+impl Mode for IsaChoice {
+    fn all() -> impl Iterator<Item = Self> {
+        std::iter::once(IsaChoice::Auto).chain(Isa::all().map(IsaChoice::Only))
+    }
+
+    fn name(self) -> &'static str {
+        self.isa().map_or("auto", Isa::name)
+    }
+}
+
+/// Takes the name of a mode's value; `--help` and errors list them.
+pub(super) fn one_of<M: Mode>() -> impl TypedValueParser<Value = M> {
+    PossibleValuesParser::new(M::all().map(M::name)).try_map(|name| {
+        M::all().find(|mode| mode.name() == name).ok_or_else(|| format!("'{name}' is not available"))
+    })
+}
+
+/// Takes a whole number in `range`.
+pub(super) fn whole<N>(range: RangeInclusive<N>) -> impl Fn(&str) -> Result<N, String> + Clone
+where
+    N: FromStr + PartialOrd + Display + Clone,
+{
+    move |text| {
+        text.trim().parse().ok().filter(|number| range.contains(number)).ok_or_else(|| {
+            format!(
+                "'{text}' is not a whole number in range; give one from {} to {}",
+                range.start(),
+                range.end()
+            )
+        })
+    }
+}
+
+/// Takes a finite number.
+pub(super) fn number(text: &str) -> Result<f32, String> {
+    text.trim()
+        .parse()
+        .ok()
+        .filter(|number: &f32| number.is_finite())
+        .ok_or_else(|| format!("'{text}' is not a finite number; give one such as 1.5"))
+}
+
+/// Takes a vertical field of view in degrees.
+pub(super) fn field_of_view(text: &str) -> Result<f32, String> {
+    number(text).ok().filter(|&degrees| degrees > 0.0 && degrees < 180.0).ok_or_else(|| {
+        format!("'{text}' is no angle of view; give degrees between 0 and 180, both excluded, such as 50")
+    })
+}
+
+/// Takes X,Y,Z.
+pub(super) fn vector(text: &str) -> Result<Vec3, String> {
+    let numbers: Option<Vec<f32>> = text.split(',').map(|part| number(part).ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, z]) => Ok(Vec3::new(x, y, z)),
+        _ => Err(format!("'{text}' is not a vector; give three finite numbers such as 1,2.5,-3")),
+    }
+}
+
+/// Most pixels of an image: 3 GiB of film.
+const MOST_PIXELS: u64 = 1 << 28;
+/// Most pixels along a side.
+const LONGEST_SIDE: u32 = 1 << 16;
+
+/// Takes WxH.
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
+    let side = |text: &str| text.trim().parse().ok().filter(|&side: &u32| side >= 1);
+    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([side(w)?, side(h)?]));
+    let Some([width, height]) = sides else {
+        return Err(format!("'{text}' is not an image size; give WIDTHxHEIGHT in pixels, such as 1280x720"));
+    };
+    if width.max(height) > LONGEST_SIDE || u64::from(width) * u64::from(height) > MOST_PIXELS {
+        return Err(format!(
+            "{width}x{height} pixels are too many; stay within {MOST_PIXELS} pixels and {LONGEST_SIDE} a side"
+        ));
+    }
+    Ok([width, height])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_positive_and_bounded() {
+        assert_eq!(size("1280x720"), Ok([1280, 720]));
+        assert_eq!(size("1X1"), Ok([1, 1]));
+        assert_eq!(size("16384x16384"), Ok([16384, 16384]));
+        for bad in [
+            "",
+            "x",
+            "100",
+            "0x5",
+            "5x0",
+            "-1x5",
+            "1.5x2",
+            "1x2x3",
+            "99999999999x1",
+            "65537x1",
+            "16385x16384",
+        ] {
+            let message = size(bad).unwrap_err();
+            assert!(message.contains("; "), "{message}");
+        }
+    }
+
+    #[test]
+    fn vectors_have_three_finite_numbers() {
+        assert_eq!(vector("1,-2.5,3e2"), Ok(Vec3::new(1.0, -2.5, 300.0)));
+        assert_eq!(vector(" 1, 2 ,3"), Ok(Vec3::new(1.0, 2.0, 3.0)));
+        for bad in ["", "1,2", "1,2,3,4", "1,2,x", "1,,3", "nan,0,0", "inf,0,0", "1e39,0,0"] {
+            assert!(vector(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn angles_lie_strictly_between_0_and_180() {
+        assert_eq!(field_of_view("50"), Ok(50.0));
+        for bad in ["0", "180", "-1", "nan", "inf", "x"] {
+            assert!(field_of_view(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn whole_numbers_stay_in_range() {
+        let few = whole(1..=4u32);
+        assert_eq!([few("1"), few("4")], [Ok(1), Ok(4)]);
+        for bad in ["0", "5", "-1", "1.0", "99999999999", "x", ""] {
+            assert!(few(bad).unwrap_err().ends_with("give one from 1 to 4"), "{bad}");
+        }
+    }
+
+    #[test]
+    fn every_mode_is_taken_by_its_name() {
+        fn names<M: Mode>() -> Vec<&'static str> {
+            M::all().map(M::name).collect()
+        }
+        assert_eq!(names::<IsaChoice>(), ["auto", "scalar", "sse4.2", "avx2", "avx512"]);
+        assert!(names::<Order>().contains(&"hilbert") && names::<Strategy>().contains(&"dynamic"));
+    }
+}

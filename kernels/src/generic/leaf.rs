@@ -17,7 +17,7 @@
 //!   and the denominator n . a by 7 e A. With g = A / |n . a|, the inverse depth is off by at most
 //!   (P / |n . a|) (7 e + 7 e g); again `K` allows about twice that. It holds while n . a is known to a few per cent:
 //!   where it is not, the triangle is *doubtful* and every ray that might meet it is decided exactly.
-//! * `TINY` stands above anything that underflow can hide.
+//! * [`TINY`] covers underflow.
 //!
 //! The bounds are folded into the constant coefficients, so that testing "possibly inside" costs nothing extra.
 
@@ -30,7 +30,8 @@ use crate::{
 
 /// 16 * 2^-24.
 const K: f32 = 9.536_743e-7;
-const TINY: f32 = 1.0e-36;
+/// Above anything that underflow can hide in a product of two differences of coordinates.
+pub(super) const TINY: f32 = 1.0e-36;
 
 /// Coefficients of eight triangles: `f(u, v) = x * u + y * v + z`.
 pub(crate) struct Leaf<S: Simd> {
@@ -116,7 +117,7 @@ fn planes<S: Simd>(s: S, sound: Mask<S, 8>, f: [F8<S>; 3], bound: F8<S>) -> [F8<
 
 /// The corners relative to the origin, in permuted axes.
 #[inline(always)]
-fn corners<S: Simd>(s: S, block: &TriBlock, frame: &Frame) -> [[F8<S>; 3]; 3] {
+pub(super) fn corners<S: Simd>(s: S, block: &TriBlock, frame: &Frame) -> [[F8<S>; 3]; 3] {
     let [iu, iv, iz] = frame.axes;
     let org = [F8::splat(s, frame.org[0]), F8::splat(s, frame.org[1]), F8::splat(s, frame.org[2])];
     let flip = I32::splat(s, frame.flip);

@@ -4,10 +4,13 @@
 //! reciprocal; the interval is widened by the rounding of two operations, so that no true hit's box is rejected
 //! (Ize 2013). Where 0 * infinity gives NaN, the axis does not restrict: `max` and `min` return their second operand.
 //!
-//! Triangles: the same set-up as in the tile kernel, lane = triangle; the few candidates are ordered by their
-//! canonical depth.
+//! Triangles: lane = triangle, sheared along the ray; the few candidates are ordered by their canonical depth.
 
-use super::{F8, Frame, leaf::Leaf, leaf::triangle, stack::Stack};
+use super::{
+    F8, Frame,
+    leaf::{TINY, corners, triangle},
+    stack::Stack,
+};
 use crate::{
     exact::{Canonical, passes},
     node::{BvhView, EMPTY_NODE, Node, NodeRef},
@@ -28,6 +31,8 @@ struct TravRay {
     frame: Frame,
     /// Direction in the frame: the last component is the largest and positive.
     d: [f32; 3],
+    /// Slopes of the direction in the frame, rounded.
+    shear: [f32; 2],
     tnear: f32,
     skip: u32,
 }
@@ -53,6 +58,7 @@ impl TravRay {
             negative,
             frame,
             d,
+            shear: [d[0] / d[2], d[1] / d[2]],
             tnear,
             skip: ray.skip,
         })
@@ -109,8 +115,7 @@ fn traverse<S: Simd, const ANY: bool>(s: S, bvh: &BvhView, ray: &TravRay, best: 
             }
         } else if entry.node != EMPTY_NODE {
             let node = &bvh.nodes[entry.node.index()];
-            if let Some(nearest) = children::<S, ANY>(s, node, ray, best.tfar, &mut stack) {
-                entry = nearest;
+            if children::<S, ANY>(s, node, ray, best.tfar, &mut stack, &mut entry) {
                 continue;
             }
         }
@@ -126,7 +131,8 @@ fn traverse<S: Simd, const ANY: bool>(s: S, bvh: &BvhView, ray: &TravRay, best: 
     }
 }
 
-/// Tests a node's children; pushes all that must be visited but the nearest, which it returns.
+/// Tests a node's children; pushes all that must be visited but the nearest, which becomes `next`. False if there is
+/// none.
 #[inline(always)]
 fn children<S: Simd, const ANY: bool>(
     s: S,
@@ -134,61 +140,92 @@ fn children<S: Simd, const ANY: bool>(
     ray: &TravRay,
     tfar: f32,
     stack: &mut Stack<Entry>,
-) -> Option<Entry> {
+    next: &mut Entry,
+) -> bool {
     let mut near = F8::splat(s, ray.tnear);
     let mut far = F8::splat(s, tfar);
     for axis in 0..3 {
         let org = F8::splat(s, ray.org[axis]);
         let rdir = F8::splat(s, ray.rdir[axis]);
-        let n = (F8::load(s, &node.bounds[2 * axis + ray.negative[axis]]) - org) * rdir;
-        let f = (F8::load(s, &node.bounds[2 * axis + 1 - ray.negative[axis]]) - org) * rdir;
-        near = (n * F8::splat(s, SHRINK)).max(near);
-        far = (f * F8::splat(s, GROW)).min(far);
+        let negative = ray.negative[axis] & 1;
+        near = ((F8::load(s, &node.bounds[2 * axis + negative]) - org) * rdir).max(near);
+        far = ((F8::load(s, &node.bounds[2 * axis + 1 - negative]) - org) * rdir).min(far);
     }
-    let mut left = near.le(far).bits();
+    // The signs of products are right, so widening by a factor suffices.
+    let near = near * F8::splat(s, SHRINK);
+    let mut left = near.le(far * F8::splat(s, GROW)).bits();
+    if left == 0 {
+        return false;
+    }
     let near = near.to_array();
-    let mut found = [Entry { node: EMPTY_NODE, near: 0.0 }; 8];
-    let mut count = 0;
+    let child = (left.trailing_zeros() & 7) as usize;
+    left &= left - 1;
+    *next = Entry { node: node.child[child], near: near[child] };
+    if left == 0 {
+        return true;
+    }
+    // Two children or more: the nearest so far is held back, the others are kept in order.
+    let bottom = stack.len();
     while left != 0 {
-        let child = left.trailing_zeros() as usize;
+        let child = (left.trailing_zeros() & 7) as usize;
         left &= left - 1;
-        if node.child[child] == EMPTY_NODE {
-            continue;
+        let mut entry = Entry { node: node.child[child], near: near[child] };
+        if !ANY && entry.near < next.near {
+            std::mem::swap(&mut entry, next);
+            stack.push(entry);
+        } else if ANY {
+            stack.push(entry);
+        } else {
+            let near = entry.near;
+            stack.insert(bottom, entry, |above| above.near < near);
         }
-        let mut at = count;
-        while !ANY && at > 0 && found[at - 1].near < near[child] {
-            found[at] = found[at - 1];
-            at -= 1;
-        }
-        found[at] = Entry { node: node.child[child], near: near[child] };
-        count += 1;
     }
-    let nearest = count.checked_sub(1)?;
-    for entry in &found[..nearest] {
-        stack.push(*entry);
-    }
-    Some(found[nearest])
+    true
 }
 
 /// Tests a run of triangles, lane = triangle.
+///
+/// Vertices are sheared along the ray onto the plane of its first two axes; there the edge functions are 2x2
+/// determinants (Woop, Benthin, Wald 2013). With e = 2^-24, a sheared coordinate x is off by 3 e Mx, where Mx is at
+/// least the sum of magnitudes |x| + |z| of the vertex, and a determinant of sheared coordinates up to X and Y by
+/// 10 e (X My + Y Mx); the bound below is 16 e of that, and large enough where X or Y is lost in rounding. Lanes
+/// within it are decided exactly.
 #[inline(always)]
 fn leaf<S: Simd>(s: S, bvh: &BvhView, ray: &TravRay, node: NodeRef, best: &mut Best) {
     let block_index = node.block();
     let block = &bvh.blocks[block_index];
-    let leaf = Leaf::new(s, block, &ray.frame);
-    let d = [F8::splat(s, ray.d[0]), F8::splat(s, ray.d[1]), F8::splat(s, ray.d[2])];
-    let [e0, e1, e2] = &leaf.edges;
-    let inside = value(e0, &d).min(value(e1, &d)).min(value(e2, &d));
-    // Inverse depth, with its bound, times depth: at least 1 if the hit may be as near as the best. The product is
-    // off by another unit.
-    let w = value(&leaf.depth, &d) * F8::splat(s, best.tfar);
-    let mut left = !(inside.lt(F8::splat(s, 0.0)) | w.lt(F8::splat(s, SHRINK))).bits() & node.lanes();
+    let corners = corners(s, block, &ray.frame);
+    let zero = F8::splat(s, 0.0);
+    let (shear_x, shear_y) = (F8::splat(s, ray.shear[0]), F8::splat(s, ray.shear[1]));
+    let (mut xs, mut ys) = ([zero; 3], [zero; 3]);
+    let (mut most_x, mut most_y, mut size_x, mut size_y) = (zero, zero, zero, zero);
+    for (i, [x, y, z]) in corners.into_iter().enumerate() {
+        xs[i] = x - shear_x * z;
+        ys[i] = y - shear_y * z;
+        most_x = most_x.max(x.abs() + z.abs());
+        most_y = most_y.max(y.abs() + z.abs());
+        size_x = size_x.max(xs[i].abs());
+        size_y = size_y.max(ys[i].abs());
+    }
+    let e0 = xs[1] * ys[2] - ys[1] * xs[2];
+    let e1 = xs[2] * ys[0] - ys[2] * xs[0];
+    let e2 = xs[0] * ys[1] - ys[0] * xs[1];
+    let ulp = F8::splat(s, f32::EPSILON);
+    let size_x = size_x + ulp * most_x;
+    let size_y = size_y + ulp * most_y;
+    let bound = F8::splat(s, 8.0) * ulp * (size_x * most_y + size_y * most_x) + F8::splat(s, TINY);
+    let (least, most) = (e0.min(e1).min(e2), e0.max(e1).max(e2));
+    let outside = least.lt(-bound) & bound.lt(most);
+    let [z0, z1, z2] = [corners[0][2], corners[1][2], corners[2][2]];
+    let behind = z0.max(z1).max(z2).lt(zero);
+    let beyond = F8::splat(s, best.tfar * ray.d[2] * GROW).lt(z0.min(z1).min(z2));
+    let mut left = !(outside | behind | beyond).bits() & node.lanes();
     if left == 0 {
         return;
     }
-    let sure = (leaf.edge_doubt * d[2]).lt(inside).bits();
+    let sure = (bound.lt(least) | most.lt(-bound)).bits();
     while left != 0 {
-        let lane = left.trailing_zeros() as usize;
+        let lane = (left.trailing_zeros() & 7) as usize;
         left &= left - 1;
         let prim = block.prim[lane];
         if prim == ray.skip {
@@ -204,11 +241,6 @@ fn leaf<S: Simd>(s: S, bvh: &BvhView, ray: &TravRay, node: NodeRef, best: &mut B
             *best = Best { t, prim, slot: (block_index * 8 + lane) as u32, tfar: next_up(t) };
         }
     }
-}
-
-#[inline(always)]
-fn value<S: Simd>(f: &[F8<S>; 3], d: &[F8<S>; 3]) -> F8<S> {
-    f[0] * d[0] + f[1] * d[1] + f[2] * d[2]
 }
 
 /// A float at least as large as `t`.

@@ -1,6 +1,10 @@
 //! Embree 4 beside irt: opened at run time, the few functions and structures declared here.
 //!
+//! The module is included by path from several places, so not everything in it is used everywhere.
+//!
 //! Layouts follow `rtcore_ray.h` and `rtcore_scene.h` of Embree 4.4 (built with instance arrays, as released).
+
+#![allow(dead_code, unreachable_pub)]
 
 use libloading::{Library, Symbol};
 use std::{

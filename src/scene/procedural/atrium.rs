@@ -132,8 +132,7 @@ fn pier(b: &mut Builder, m: &Palette, column: Column) {
 /// The arched walls of both storeys with their mouldings.
 fn arcades(b: &mut Builder, m: &Palette, side: Side) {
     let p = Vec2::new;
-    let profile =
-        [p(0.0, 0.29), p(0.0, 0.36), p(0.12, 0.36), p(0.16, 0.41), p(0.26, 0.41), p(0.29, 0.29)];
+    let profile = [p(0.0, 0.29), p(0.0, 0.36), p(0.12, 0.36), p(0.16, 0.41), p(0.26, 0.41), p(0.29, 0.29)];
     for i in 0..side.bays {
         for (springing, arch, top) in [
             (GROUND_COLUMN.height, GROUND_ARCH, GALLERY - 0.05),

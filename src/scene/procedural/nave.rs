@@ -253,7 +253,8 @@ fn vault(b: &mut Builder, m: &Palette) {
 fn apse(b: &mut Builder, m: &Palette) {
     let angle = |u: f32| (PI * (u - 0.5)).sin_cos();
     let cells = [b.steps(36.0, 8), b.steps(14.0, 4)];
-    let ashlar = |i: usize, j: usize| m.ashlar[(unit((i + j % 2) as u32 / 2 + 4096 * j as u32, 71) * 3.0) as usize];
+    let ashlar =
+        |i: usize, j: usize| m.ashlar[(unit((i + j % 2) as u32 / 2 + 4096 * j as u32, 71) * 3.0) as usize];
     b.mosaic(cells, true, ashlar, |u, v| {
         let (sin, cos) = angle(u);
         Vec3::new(CLEAR * cos, SPRINGING * v, CLEAR * sin)
@@ -273,7 +274,9 @@ fn apse(b: &mut Builder, m: &Palette) {
                 let s = (v * FRAC_PI_2).sin();
                 Vec3::new(CLEAR * s, SPRINGING + VAULT.height(s) - 0.03, 0.0)
             });
-            b.at(moved(CLEAR - 0.03, 0.0, 0.0), |b| gothic::colonnette(b, SPRINGING, 0.13, [m.carved, m.shaft]));
+            b.at(moved(CLEAR - 0.03, 0.0, 0.0), |b| {
+                gothic::colonnette(b, SPRINGING, 0.13, [m.carved, m.shaft])
+            });
         });
     }
     for k in 0..5 {
@@ -313,9 +316,7 @@ fn floor(b: &mut Builder, m: &Palette) {
             m.tiles[(chance * 3.0) as usize]
         }
     };
-    b.mosaic([nx * fine, nz * fine], false, paint, |u, v| {
-        Vec3::new(long * u - HALF, 0.0, wide * (0.5 - v))
-    });
+    b.mosaic([nx * fine, nz * fine], false, paint, |u, v| Vec3::new(long * u - HALF, 0.0, wide * (0.5 - v)));
 }
 
 fn pews(b: &mut Builder, m: &Palette) {

@@ -103,7 +103,11 @@ fn normals_agree_with_the_winding() {
         let (mut corners, mut astray) = (0, 0);
         for prim in 0..mesh.len() {
             let face = normal(mesh, prim).normalize();
-            for n in mesh.triangles[prim].map(|v| mesh.normals[v as usize]).into_iter().filter(|&n| n != Vec3::ZERO) {
+            for n in mesh.triangles[prim]
+                .map(|v| mesh.normals[v as usize])
+                .into_iter()
+                .filter(|&n| n != Vec3::ZERO)
+            {
                 corners += 1;
                 astray += usize::from(n.dot(face) <= 0.0);
             }

@@ -147,10 +147,15 @@ pub(super) fn stained_glass(b: &mut Builder, window: Window, glass: &[u32], seed
         Vec3::new(arch.half * (2.0 * u - 1.0), sill + (springing - sill) * v, 0.0)
     });
     for right in [false, true] {
-        b.mosaic([arc, across], false, |i, j| pane(i, j + up), |u, v| {
-            let top = arch.arc(right, u, 0.0);
-            Vec3::new(top.x, springing + top.y * v, 0.0)
-        });
+        b.mosaic(
+            [arc, across],
+            false,
+            |i, j| pane(i, j + up),
+            |u, v| {
+                let top = arch.arc(right, u, 0.0);
+                Vec3::new(top.x, springing + top.y * v, 0.0)
+            },
+        );
     }
 }
 

@@ -1,8 +1,10 @@
 //! Tracing rays against a tree: the tree and the kernels behind `intersect` and `occluded`.
 
 mod shadow;
+mod stream;
 
 pub use shadow::{NO_OCCLUDER, PointShadows, ShadowRays};
+pub use stream::RayStream;
 
 use crate::{
     bvh::Bvh,

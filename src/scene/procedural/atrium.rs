@@ -4,7 +4,9 @@
 //! with the court towards +z, and turned into place.
 
 use super::{
-    architecture::{Arch, Column, arched_wall, archivolt, coursed_wall, facing, groin_vault, moulding, moved},
+    architecture::{
+        Arch, Column, arched_wall, archivolt, coursed_wall, facing, groin_vault, moulding, moved,
+    },
     builder::Builder,
     garden,
 };
@@ -130,8 +132,7 @@ fn pier(b: &mut Builder, m: &Palette, column: Column) {
 /// The arched walls of both storeys with their mouldings.
 fn arcades(b: &mut Builder, m: &Palette, side: Side) {
     let p = Vec2::new;
-    let profile =
-        [p(0.0, 0.29), p(0.0, 0.36), p(0.12, 0.36), p(0.16, 0.41), p(0.26, 0.41), p(0.29, 0.29)];
+    let profile = [p(0.0, 0.29), p(0.0, 0.36), p(0.12, 0.36), p(0.16, 0.41), p(0.26, 0.41), p(0.29, 0.29)];
     for i in 0..side.bays {
         for (springing, arch, top) in [
             (GROUND_COLUMN.height, GROUND_ARCH, GALLERY - 0.05),
@@ -390,9 +391,13 @@ fn lights(b: &mut Builder, m: &Palette) -> Vec<Light> {
     ];
     let beside = COURT.y + 0.5 * (WALK + 0.5 * THICK);
     let end = COURT.x + 0.5 * (WALK + 0.5 * THICK);
-    for (x, floor, z) in
-        [(4.5, 0.0, -beside), (-1.5, 0.0, beside), (end, 0.0, 0.0), (end, GALLERY, 0.0), (1.5, GALLERY, -beside)]
-    {
+    for (x, floor, z) in [
+        (4.5, 0.0, -beside),
+        (-1.5, 0.0, beside),
+        (end, 0.0, 0.0),
+        (end, GALLERY, 0.0),
+        (1.5, GALLERY, -beside),
+    ] {
         let ceiling = if floor == 0.0 { GROUND_COLUMN.height + 1.48 } else { EAVES - 0.02 };
         b.at(moved(x, ceiling, z), |b| garden::lantern(b, ceiling - floor - 2.9, m.iron, m.glow));
         lights.push(Light::Point {

@@ -27,7 +27,12 @@ pub(super) fn fountain(b: &mut Builder, stone: u32, water: u32, spray: u32) {
     vessel(b, 18.0, 10.0, &stem);
     let bowl = [p(0.14, 1.4), p(0.4, 1.46), p(0.7, 1.6), p(0.86, 1.76), p(0.84, 1.8), p(0.74, 1.74)];
     vessel(b, 28.0, 10.0, &bowl);
-    vessel(b, 12.0, 10.0, &[p(0.1, 1.68), p(0.08, 1.9), p(0.15, 2.05), p(0.1, 2.2), p(0.03, 2.28), p(0.0, 2.38)]);
+    vessel(
+        b,
+        12.0,
+        10.0,
+        &[p(0.1, 1.68), p(0.08, 1.9), p(0.15, 2.05), p(0.1, 2.2), p(0.03, 2.28), p(0.0, 2.38)],
+    );
     b.paint(water);
     pool(b, 1.5, 0.56, 26.0);
     pool(b, 0.8, 1.73, 40.0);
@@ -37,7 +42,6 @@ pub(super) fn fountain(b: &mut Builder, stone: u32, water: u32, spray: u32) {
         b.at(turn, |b| water_jet(b, Vec2::new(0.8, 1.8), Vec2::new(1.22, 0.55)));
     }
 }
-
 
 /// A round sheet of water with rings of small waves.
 fn pool(b: &mut Builder, radius: f32, height: f32, waves: f32) {

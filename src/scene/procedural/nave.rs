@@ -137,7 +137,7 @@ pub(super) fn nave(detail: f32) -> Scene {
         up: Vec3::Y,
         fov_deg: 68.0,
     };
-    b.finish("nave", lights(), camera, Vec3::new(0.10, 0.115, 0.15), Vec3::new(0.72, 0.84, 1.0))
+    b.finish("nave", lights(), camera, Vec3::new(0.13, 0.135, 0.155), Vec3::new(0.72, 0.84, 1.0))
 }
 
 fn lights() -> Vec<Light> {
@@ -147,10 +147,10 @@ fn lights() -> Vec<Light> {
         falloff,
     };
     vec![
-        light(Vec3::new(-26.0, 62.0, 50.0), [2.3, 1.80, 1.15], Falloff::None),
+        light(Vec3::new(-24.0, 83.0, 40.0), [2.5, 1.95, 1.25], Falloff::None),
         light(Vec3::new(-11.0, 9.5, -1.5), [0.17, 0.20, 0.27], Falloff::None),
         light(Vec3::new(HALF - 1.6, 4.6, 0.0), [15.0, 9.5, 4.6], Falloff::InverseSquare),
-        light(Vec3::new(-3.0, 4.9, 0.0), [9.0, 6.4, 3.6], Falloff::InverseSquare),
+        light(Vec3::new(-2.5, 7.3, 0.3), [14.0, 10.0, 6.0], Falloff::InverseSquare),
     ]
 }
 
@@ -253,7 +253,8 @@ fn vault(b: &mut Builder, m: &Palette) {
 fn apse(b: &mut Builder, m: &Palette) {
     let angle = |u: f32| (PI * (u - 0.5)).sin_cos();
     let cells = [b.steps(36.0, 8), b.steps(14.0, 4)];
-    let ashlar = |i: usize, j: usize| m.ashlar[(unit((i + j % 2) as u32 / 2 + 4096 * j as u32, 71) * 3.0) as usize];
+    let ashlar =
+        |i: usize, j: usize| m.ashlar[(unit((i + j % 2) as u32 / 2 + 4096 * j as u32, 71) * 3.0) as usize];
     b.mosaic(cells, true, ashlar, |u, v| {
         let (sin, cos) = angle(u);
         Vec3::new(CLEAR * cos, SPRINGING * v, CLEAR * sin)
@@ -273,7 +274,9 @@ fn apse(b: &mut Builder, m: &Palette) {
                 let s = (v * FRAC_PI_2).sin();
                 Vec3::new(CLEAR * s, SPRINGING + VAULT.height(s) - 0.03, 0.0)
             });
-            b.at(moved(CLEAR - 0.03, 0.0, 0.0), |b| gothic::colonnette(b, SPRINGING, 0.13, [m.carved, m.shaft]));
+            b.at(moved(CLEAR - 0.03, 0.0, 0.0), |b| {
+                gothic::colonnette(b, SPRINGING, 0.13, [m.carved, m.shaft])
+            });
         });
     }
     for k in 0..5 {
@@ -313,9 +316,7 @@ fn floor(b: &mut Builder, m: &Palette) {
             m.tiles[(chance * 3.0) as usize]
         }
     };
-    b.mosaic([nx * fine, nz * fine], false, paint, |u, v| {
-        Vec3::new(long * u - HALF, 0.0, wide * (0.5 - v))
-    });
+    b.mosaic([nx * fine, nz * fine], false, paint, |u, v| Vec3::new(long * u - HALF, 0.0, wide * (0.5 - v)));
 }
 
 fn pews(b: &mut Builder, m: &Palette) {

@@ -100,10 +100,15 @@ pub(super) fn altar(b: &mut Builder, stone: u32, cloth: u32, hem: u32) {
     b.paint(cloth);
     let fine = b.steps(40.0, 12);
     let down = b.steps(5.0, 2);
-    b.mosaic([fine, down], true, |_, j| if j == 0 { hem } else { cloth }, |u, v| {
-        let fold = 0.025 * (TAU * 9.0 * u).sin() * (1.0 - v);
-        Vec3::new(-0.63 - 0.03 * (1.0 - v) + fold, 0.45 + 0.66 * v, 1.5 * (2.0 * u - 1.0))
-    });
+    b.mosaic(
+        [fine, down],
+        true,
+        |_, j| if j == 0 { hem } else { cloth },
+        |u, v| {
+            let fold = 0.025 * (TAU * 9.0 * u).sin() * (1.0 - v);
+            Vec3::new(-0.63 - 0.03 * (1.0 - v) + fold, 0.45 + 0.66 * v, 1.5 * (2.0 * u - 1.0))
+        },
+    );
     b.paint(cloth);
     b.quad([1, 1], Vec3::new(-0.63, 1.11, -1.5), Vec3::Z * 3.0, Vec3::X * 1.2);
 }

@@ -16,8 +16,11 @@ pub(super) fn clustered_pier(b: &mut Builder, height: f32, core: f32, stone: u32
     let foot = core + 0.24;
     b.lathe(&[p(foot, -0.02), p(foot, 0.25), p(foot - 0.06, 0.33), p(foot - 0.2, 0.34)], around);
     b.lathe(&[p(core, 0.3), p(core, height - 0.2)], around);
-    let head = core + 0.22;
-    b.lathe(&[p(core, height - 0.24), p(head, height - 0.2), p(head, height), p(0.0, height)], around);
+    let head = core + 0.36;
+    b.lathe(
+        &[p(core + 0.16, height - 0.24), p(head, height - 0.14), p(head, height), p(0.0, height)],
+        around,
+    );
     for k in 0..8 {
         let turn = Affine3A::from_rotation_y((k as f32 + 0.5) * FRAC_PI_4);
         b.at(turn * moved(core, 0.3, 0.0), |b| colonnette(b, height - 0.5, 0.11, [stone, shaft]));
@@ -147,10 +150,15 @@ pub(super) fn stained_glass(b: &mut Builder, window: Window, glass: &[u32], seed
         Vec3::new(arch.half * (2.0 * u - 1.0), sill + (springing - sill) * v, 0.0)
     });
     for right in [false, true] {
-        b.mosaic([arc, across], false, |i, j| pane(i, j + up), |u, v| {
-            let top = arch.arc(right, u, 0.0);
-            Vec3::new(top.x, springing + top.y * v, 0.0)
-        });
+        b.mosaic(
+            [arc, across],
+            false,
+            |i, j| pane(i, j + up),
+            |u, v| {
+                let top = arch.arc(right, u, 0.0);
+                Vec3::new(top.x, springing + top.y * v, 0.0)
+            },
+        );
     }
 }
 

@@ -63,6 +63,8 @@ pub(super) fn nave(detail: f32) -> Scene {
     b.at(moved(HALF, 0.0, 0.0), |b| apse(b, &m));
     b.part("end walls");
     end_walls(&mut b, &m);
+    b.part("roofs");
+    roofs(&mut b, &m);
     b.part("floor");
     floor(&mut b, &m);
     b.part("pews");
@@ -244,6 +246,30 @@ fn end_walls(b: &mut Builder, m: &Palette) {
     for z in [-out, CLEAR] {
         b.at(facing(3, Vec3::new(HALF, 0.0, z)), |b| {
             coursed_wall(b, Vec2::new(out - CLEAR, ARCADE), 9.0, &m.ashlar, 73);
+        });
+    }
+}
+
+/// The roof of the nave with its gables, and those of the aisles. Nobody sees them from within, but they keep the sun
+/// well away from the vaults.
+fn roofs(b: &mut Builder, m: &Palette) {
+    let (ends, out) = ([-HALF - 0.4, HALF + CLEAR + 0.4], PIERS + 0.4);
+    let (eaves, ridge) = (TOP - 0.02, TOP + 3.4);
+    let cells = [b.steps(12.0, 1), b.steps(2.0, 1)];
+    b.paint(m.lead);
+    for side in [-1.0, 1.0] {
+        for (foot, top, [low, high]) in
+            [(out, 0.0, [eaves, ridge]), (PIERS + AISLE + 0.9, PIERS, [ARCADE - 0.1, SPRINGING])]
+        {
+            b.patch(cells, false, |u, v| {
+                let x = 0.5 * (ends[0] + ends[1]) + side * (u - 0.5) * (ends[1] - ends[0]);
+                Vec3::new(x, low + (high - low) * v, side * (foot + (top - foot) * v))
+            });
+        }
+    }
+    for (x, turn) in [(ends[0], 1.0), (ends[1], -1.0)] {
+        b.patch([1, 1], false, |u, v| {
+            Vec3::new(x, eaves + (ridge - eaves) * v, turn * out * (2.0 * u - 1.0) * (1.0 - v))
         });
     }
 }

@@ -3,6 +3,9 @@
 //! The court is 18 x 9 metres in plan, in bays of 3; x runs along it, y up. Each of its four sides is described once,
 //! with the court towards +z, and turned into place.
 
+mod furnish;
+mod palette;
+
 use super::{
     architecture::{
         Arch, Column, arched_wall, archivolt, coursed_wall, facing, groin_vault, moulding, moved,
@@ -10,10 +13,8 @@ use super::{
     builder::Builder,
     garden,
 };
-use crate::scene::{CameraDescription, Falloff, Light, Scene};
+use crate::scene::{CameraDescription, Scene};
 use glam::{Vec2, Vec3};
-
-mod palette;
 use palette::Palette;
 
 /// Width of a bay.
@@ -79,13 +80,13 @@ pub(super) fn atrium(detail: f32) -> Scene {
     on_each_side(&mut b, "roof", |b, side| roof(b, &m, side));
     b.part("floor");
     floor(&mut b, &m);
-    on_each_side(&mut b, "cloth", |b, side| cloth(b, &m, side));
+    on_each_side(&mut b, "cloth", |b, side| furnish::cloth(b, &m, side));
     b.part("fountain");
     b.at(moved(1.5, 0.0, 0.0), |b| garden::fountain(b, m.marble, m.water, m.spray));
     b.part("plants");
-    plants(&mut b, &m);
+    furnish::plants(&mut b, &m);
     b.part("lanterns");
-    let lights = lights(&mut b, &m);
+    let lights = furnish::lights(&mut b, &m);
     let camera = CameraDescription {
         eye: Vec3::new(-8.2, 2.3, -1.3),
         at: Vec3::new(0.0, 3.35, 0.35),
@@ -339,6 +340,7 @@ fn floor(b: &mut Builder, m: &Palette) {
         Vec3::new(half.x * (2.0 * u - 1.0), 0.0, half.y * (1.0 - 2.0 * v))
     });
 }
+<<<<<<< HEAD
 
 /// Banners over the balustrades of the long sides, curtains in the arches of the gallery.
 fn cloth(b: &mut Builder, m: &Palette, side: Side) {
@@ -408,3 +410,5 @@ fn lights(b: &mut Builder, m: &Palette) -> Vec<Light> {
     }
     lights
 }
+=======
+>>>>>>> procedural

@@ -198,16 +198,11 @@ fn vault(b: &mut Builder, m: &Palette) {
 fn apse(b: &mut Builder, m: &Palette) {
     let angle = |u: f32| (PI * (u - 0.5)).sin_cos();
     let cells = [b.steps(36.0, 8), b.steps(14.0, 4)];
-<<<<<<< HEAD
-    let ashlar =
-        |i: usize, j: usize| m.ashlar[(unit((i + j % 2) as u32 / 2 + 4096 * j as u32, 71) * 3.0) as usize];
-=======
     // Stones keep their size, however fine the mesh.
     let ashlar = |i: usize, j: usize| {
         let (i, j) = (i * 36 / cells[0], j * 14 / cells[1]);
         m.ashlar[(unit(((i + j % 2) / 2 + 4096 * j) as u32, 71) * m.ashlar.len() as f32) as usize]
     };
->>>>>>> procedural
     b.mosaic(cells, true, ashlar, |u, v| {
         let (sin, cos) = angle(u);
         Vec3::new(CLEAR * cos, SPRINGING * v, CLEAR * sin)
@@ -228,11 +223,7 @@ fn apse(b: &mut Builder, m: &Palette) {
                 Vec3::new(CLEAR * s, SPRINGING + VAULT.height(s) - 0.03, 0.0)
             });
             b.at(moved(CLEAR - 0.03, 0.0, 0.0), |b| {
-<<<<<<< HEAD
-                gothic::colonnette(b, SPRINGING, 0.13, [m.carved, m.shaft])
-=======
                 gothic::colonnette(b, SPRINGING, 0.13, [m.carved, m.shaft]);
->>>>>>> procedural
             });
         });
     }

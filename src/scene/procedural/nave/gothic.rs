@@ -156,17 +156,6 @@ pub(super) fn stained_glass(b: &mut Builder, window: Window, glass: &[u32], seed
         Vec3::new(arch.half * (2.0 * u - 1.0), sill + (springing - sill) * v, 0.0)
     });
     for right in [false, true] {
-<<<<<<< HEAD
-        b.mosaic(
-            [arc, across],
-            false,
-            |i, j| pane(i, j + up),
-            |u, v| {
-                let top = arch.arc(right, u, 0.0);
-                Vec3::new(top.x, springing + top.y * v, 0.0)
-            },
-        );
-=======
         let above = |i: usize, j: usize| {
             let i = if right { arc - 1 - i } else { i };
             pane(i * PANES[2] / arc, PANES[1] + j * PANES[0] / (2 * across))
@@ -175,7 +164,6 @@ pub(super) fn stained_glass(b: &mut Builder, window: Window, glass: &[u32], seed
             let top = arch.arc(right, u, 0.0);
             Vec3::new(top.x, springing + top.y * v, 0.0)
         });
->>>>>>> procedural
     }
 }
 

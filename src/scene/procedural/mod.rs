@@ -3,3 +3,13 @@
 //! Detail multiplies every subdivision, so that the number of triangles grows about with its square.
 
 mod builder;
+mod shapes;
+mod statue;
+
+/// For looking.
+pub fn look(name: &str, detail: f32) -> crate::scene::Scene {
+    match name {
+        "statue" => statue::statue(detail),
+        _ => panic!("{name}"),
+    }
+}

@@ -3,6 +3,8 @@
 //! Detail multiplies every subdivision, so that the number of triangles grows about with its square.
 
 mod builder;
+mod furniture;
+mod hall;
 mod shapes;
 mod statue;
 
@@ -10,6 +12,7 @@ mod statue;
 pub fn look(name: &str, detail: f32) -> crate::scene::Scene {
     match name {
         "statue" => statue::statue(detail),
+        "hall" => hall::hall(detail),
         _ => panic!("{name}"),
     }
 }

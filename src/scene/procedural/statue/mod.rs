@@ -24,7 +24,7 @@ pub(super) fn statue(detail: f32) -> Scene {
     let glass = b.material(glossy("glass", [0.02, 0.015, 0.015], 0.9, 180.0));
     let slate = b.material(glossy("slate", [0.09, 0.12, 0.13], 0.22, 40.0));
     let brass = b.material(glossy("brass", [0.52, 0.35, 0.12], 0.6, 50.0));
-    let backdrop = b.material(glossy("backdrop", [0.20, 0.30, 0.36], 0.0, 1.0));
+    let backdrop = b.material(glossy("backdrop", [0.17, 0.27, 0.33], 0.0, 1.0));
 
     b.part("rabbit");
     b.paint(porcelain);
@@ -41,13 +41,13 @@ pub(super) fn statue(detail: f32) -> Scene {
     plinth(&mut b, slate, brass);
     b.part("backdrop");
     b.paint(backdrop);
-    b.patch([b.steps(4.0, 2), b.steps(28.0, 10)], true, |u, v| studio(u, v));
+    b.patch([b.steps(6.0, 2), b.steps(28.0, 10)], true, |u, v| studio(u, v));
 
     let camera = CameraDescription {
-        eye: Vec3::new(1.75, 1.42, 2.25),
-        at: Vec3::new(0.0, 0.98, 0.0),
+        eye: Vec3::new(1.6, 1.45, 2.35),
+        at: Vec3::new(0.0, 1.02, -0.02),
         up: Vec3::Y,
-        fov_deg: 34.0,
+        fov_deg: 32.0,
     };
     let background = Vec3::new(0.05, 0.07, 0.09);
     b.finish("statue", lights(), camera, Vec3::new(0.10, 0.12, 0.15), background)
@@ -98,16 +98,16 @@ fn plinth(b: &mut Builder, stone: u32, ring: u32) {
 /// Floor and wall in one sweep, without a corner.
 fn studio(u: f32, v: f32) -> Vec3 {
     const BEND: f32 = 1.6;
-    let x = 6.0 - 12.0 * u;
+    let x = 12.0 - 24.0 * u;
     let arc = BEND * std::f32::consts::FRAC_PI_2;
-    let along = v * (7.0 + arc + 3.5);
-    let (y, z) = if along < 7.0 {
+    let along = v * (9.0 + arc + 5.0);
+    let (y, z) = if along < 9.0 {
         (0.0, 5.0 - along)
-    } else if along < 7.0 + arc {
-        let (sin, cos) = ((along - 7.0) / BEND).sin_cos();
-        (BEND * (1.0 - cos), -2.0 - BEND * sin)
+    } else if along < 9.0 + arc {
+        let (sin, cos) = ((along - 9.0) / BEND).sin_cos();
+        (BEND * (1.0 - cos), -4.0 - BEND * sin)
     } else {
-        (BEND + along - 7.0 - arc, -2.0 - BEND)
+        (BEND + along - 9.0 - arc, -4.0 - BEND)
     };
     Vec3::new(-x, y, z)
 }
@@ -121,6 +121,6 @@ fn lights() -> Vec<Light> {
     vec![
         point([3.0, 3.6, 2.4], [17.0, 14.5, 11.0]),
         point([-3.4, 2.0, 2.6], [2.4, 3.4, 5.0]),
-        point([-1.6, 3.2, -2.2], [5.0, 6.0, 7.5]),
+        point([-2.2, 3.0, -1.5], [4.0, 4.8, 6.0]),
     ]
 }

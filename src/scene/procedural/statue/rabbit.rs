@@ -11,7 +11,7 @@ use glam::{Affine3A, Quat, Vec3};
 pub(super) const BOUNDS: [Vec3; 2] = [Vec3::new(-0.5, -0.1, -0.75), Vec3::new(0.5, 1.15, 0.65)];
 /// Where the eyeballs sit, in the frame of the head, and their radius; the other one is mirrored.
 const EYE: Vec3 = Vec3::new(0.098, 0.045, 0.075);
-const EYE_RADIUS: f32 = 0.036;
+const EYE_RADIUS: f32 = 0.03;
 
 const SIDES: [f32; 2] = [-1.0, 1.0];
 
@@ -48,7 +48,8 @@ pub(super) fn rabbit() -> Field {
 }
 
 fn body(field: &mut Field) {
-    let mut blob = |at, degrees, axes, width| field.add(posed(at, degrees), Shape::Ellipsoid(axes), Melt(width));
+    let mut blob =
+        |at, degrees, axes, width| field.add(posed(at, degrees), Shape::Ellipsoid(axes), Melt(width));
     blob(v(0.0, 0.33, -0.1), v(-26.0, 0.0, 0.0), v(0.225, 0.235, 0.36), 0.1);
     blob(v(0.0, 0.28, -0.26), Vec3::ZERO, v(0.25, 0.25, 0.24), 0.16);
     blob(v(0.0, 0.40, 0.14), v(12.0, 0.0, 0.0), v(0.165, 0.21, 0.155), 0.16);
@@ -71,10 +72,11 @@ fn legs(field: &mut Field, side: f32) {
     let thigh = Shape::Ellipsoid(v(0.095, 0.17, 0.2));
     field.add(posed(v(0.185 * side, 0.235, -0.17), v(-24.0, 8.0 * side, 10.0 * side)), thigh, Melt(0.06));
     // Grooves between the toes.
-    for (x, y, z, reach) in [(0.085, 0.055, 0.385, 0.04), (0.215, 0.06, 0.157, 0.045)] {
-        for offset in [-0.018, 0.018] {
-            let toe = v(side * x + offset, y, z);
-            let shape = Shape::Limb { a: toe, b: toe + v(0.0, 0.01, -reach), radii: [0.011, 0.006] };
+    for (x, top, tip) in [(0.085, 0.096, 0.372), (0.215, 0.108, 0.142)] {
+        for offset in [-0.017, 0.017] {
+            let toe = |y: f32, z: f32| v(side * x + offset, y, z);
+            let shape =
+                Shape::Limb { a: toe(top, tip - 0.035), b: toe(0.02, tip + 0.022), radii: [0.008, 0.016] };
             field.add(Affine3A::IDENTITY, shape, Carve(0.02));
         }
     }
@@ -93,7 +95,7 @@ fn head(field: &mut Field) {
         // Muzzle pads, eyelids.
         add(at(v(0.026, -0.062, 0.205) * m), ball(0.036, 0.032, 0.032), Melt(0.025));
         add(at(EYE * m), Shape::Ellipsoid(Vec3::splat(EYE_RADIUS + 0.012)), Melt(0.02));
-        add(at((EYE + v(0.034, -0.002, 0.014)) * m), Shape::Ellipsoid(Vec3::splat(0.04)), Carve(0.012));
+        add(at((EYE + v(0.03, -0.002, 0.012)) * m), Shape::Ellipsoid(Vec3::splat(0.033)), Carve(0.012));
         ear(&mut add, side);
     }
     add(at(v(0.0, -0.03, 0.232)), ball(0.026, 0.018, 0.016), Melt(0.012));
@@ -110,4 +112,3 @@ fn ear(add: &mut impl FnMut(Affine3A, Shape, Join), side: f32) {
     add(place(v(0.0, 0.22, 0.0)), Shape::Ellipsoid(v(0.066, 0.19, 0.036)), Melt(0.03));
     add(place(v(0.0, 0.215, 0.048)), Shape::Ellipsoid(v(0.042, 0.155, 0.044)), Carve(0.03));
 }
-

@@ -126,3 +126,86 @@ pub(super) fn plant(b: &mut Builder, pot: u32, soil: u32, leaf: u32, leaves: u32
         });
     }
 }
+
+/// An office chair on a five-armed base with castors. Seat at 0.48 m.
+pub(super) fn swivel_chair(b: &mut Builder, fabric: u32, frame: u32, metal: u32) {
+    let cells = SlabCells {
+        corner: b.steps(3.0, 1),
+        side: b.steps(3.0, 1),
+        edge: b.steps(2.0, 1),
+        face: b.steps(3.0, 1),
+    };
+    b.paint(fabric);
+    let seat = Slab { half: Vec2::new(0.25, 0.24), thickness: 0.085, corner: 0.10, edge: 0.038 };
+    b.slab(seat, cells, |p| {
+        let hollow = 0.025 * ((p.x / 0.25).powi(2) - 1.0);
+        let fall = -0.9 * (p.z - 0.1).max(0.0).powi(2);
+        p + Vec3::Y * (0.475 + hollow + fall)
+    });
+    let back = Slab { half: Vec2::new(0.23, 0.30), thickness: 0.06, corner: 0.11, edge: 0.027 };
+    b.slab(back, cells, |p| {
+        let wrap = 0.06 * (p.x / 0.23).powi(2);
+        // Support for the small of the back.
+        let lumbar = 0.03 * (-((p.z - 0.13) / 0.12).powi(2)).exp();
+        Vec3::new(p.x, 0.86 - p.z, p.y - 0.27 + 0.16 * p.z + wrap + lumbar)
+    });
+    b.paint(frame);
+    let tube = [b.steps(7.0, 3), b.steps(9.0, 3)];
+    b.tube(tube, Vec3::X, |_| 0.022, |t| Vec3::new(0.0, 0.40 + 0.42 * t * t, -0.06 - 0.36 * t + 0.1 * t * t));
+    for side in [-1.0, 1.0] {
+        // The arm rest's bracket: out from under the seat and up.
+        b.tube(
+            tube,
+            Vec3::Z,
+            |_| 0.014,
+            |t| {
+                let out = (2.0 * t).min(1.0);
+                let up = (2.0 * t - 0.8).max(0.0) / 1.2;
+                Vec3::new(side * (0.17 + 0.14 * (out * PI / 2.0).sin()), 0.43 + 0.24 * up * up, -0.02)
+            },
+        );
+        let pad = Affine3A::from_translation(Vec3::new(side * 0.31, 0.675, 0.0));
+        b.at(pad, |b| plate(b, Vec3::new(0.04, 0.016, 0.13), 0.035, 0.012, |p| p));
+    }
+    b.paint(metal);
+    b.rod([b.steps(12.0, 4), 1], Vec3::Y * 0.09, Vec3::Y * 0.45, 0.027);
+    for arm in 0..5 {
+        let (sin, cos) = (TAU * (arm as f32 / 5.0 + 0.05)).sin_cos();
+        let out = |reach: f32, y: f32| Vec3::new(reach * cos, y, reach * sin);
+        b.tube(
+            [tube[0], b.steps(4.0, 2)],
+            Vec3::Y,
+            |t| 0.026 - 0.010 * t,
+            |t| out(0.31 * t, 0.13 - 0.05 * t * t),
+        );
+        b.paint(frame);
+        b.ball(b.steps(8.0, 4), out(0.305, 0.032), Vec3::splat(0.034));
+        b.paint(metal);
+    }
+}
+
+/// A desk lamp: a weighted foot, two arms, a bell. Returns where a bulb shines from, in the frame of the lamp.
+pub(super) fn desk_lamp(b: &mut Builder, enamel: u32, metal: u32, glow: u32) -> Vec3 {
+    let around = b.steps(20.0, 6);
+    let [elbow, tip] = [Vec3::new(0.0, 0.30, -0.12), Vec3::new(0.0, 0.46, 0.14)];
+    b.paint(enamel);
+    let foot = [(0.09, -0.001), (0.09, 0.015), (0.075, 0.025), (0.02, 0.032), (0.0, 0.033)];
+    b.lathe(&foot.map(|(r, y)| Vec2::new(r, y)), around);
+    b.paint(metal);
+    let arm = [b.steps(8.0, 3), b.steps(2.0, 1)];
+    b.rod(arm, Vec3::new(0.0, 0.02, 0.0), elbow, 0.008);
+    b.rod(arm, elbow, tip, 0.007);
+    b.ball(b.steps(10.0, 4), elbow, Vec3::splat(0.017));
+    b.paint(enamel);
+    let head = Affine3A::from_rotation_translation(Quat::from_rotation_x(-0.35), tip);
+    let mut bulb = Vec3::ZERO;
+    b.at(head, |b| {
+        let bell = |v: f32| Vec2::new(0.02 + 0.075 * (1.0 - v).powf(0.7), -0.09 + 0.13 * v);
+        b.turned([around, b.steps(8.0, 3)], bell);
+        b.turned([around, 1], |v| Vec2::new(0.02 * (1.0 - v), 0.04 + 0.004 * v));
+        b.paint(glow);
+        b.ball(b.steps(10.0, 4), Vec3::new(0.0, -0.03, 0.0), Vec3::splat(0.03));
+        bulb = head.transform_point3(Vec3::new(0.0, -0.085, 0.0));
+    });
+    bulb
+}

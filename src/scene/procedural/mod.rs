@@ -5,6 +5,7 @@
 mod builder;
 mod furniture;
 mod hall;
+mod office;
 mod shapes;
 mod statue;
 
@@ -12,6 +13,7 @@ mod statue;
 pub fn look(name: &str, detail: f32) -> crate::scene::Scene {
     match name {
         "statue" => statue::statue(detail),
+        "office" => office::office(detail),
         "hall" => hall::hall(detail),
         _ => panic!("{name}"),
     }

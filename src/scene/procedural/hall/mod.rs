@@ -97,11 +97,11 @@ impl Paints {
 
 /// Rows in arcs about a point on the stage, an aisle down the middle.
 fn audience(b: &mut Builder, paints: &Paints) {
-    const ROWS: u32 = 12;
+    const ROWS: u32 = 13;
     const CENTRE: f32 = -15.0;
     b.part("audience");
     for row in 0..ROWS {
-        let radius = 10.8 + 1.02 * row as f32;
+        let radius = 10.7 + 1.0 * row as f32;
         for side in [-1.0, 1.0] {
             for seat in 0..10 {
                 // Chairs keep their spacing along the arc; the aisle is as wide in every row.

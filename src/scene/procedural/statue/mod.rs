@@ -45,9 +45,9 @@ pub(super) fn statue(detail: f32) -> Scene {
 
     let camera = CameraDescription {
         eye: Vec3::new(1.6, 1.45, 2.35),
-        at: Vec3::new(0.0, 1.02, -0.02),
+        at: Vec3::new(0.0, 1.08, -0.02),
         up: Vec3::Y,
-        fov_deg: 32.0,
+        fov_deg: 28.0,
     };
     let background = Vec3::new(0.05, 0.07, 0.09);
     b.finish("statue", lights(), camera, Vec3::new(0.10, 0.12, 0.15), background)
@@ -119,7 +119,7 @@ fn lights() -> Vec<Light> {
         falloff: Falloff::InverseSquare,
     };
     vec![
-        point([3.0, 3.6, 2.4], [17.0, 14.5, 11.0]),
+        point([3.0, 3.6, 2.4], [19.0, 16.0, 12.0]),
         point([-3.4, 2.0, 2.6], [2.4, 3.4, 5.0]),
         point([-2.2, 3.0, -1.5], [4.0, 4.8, 6.0]),
     ]

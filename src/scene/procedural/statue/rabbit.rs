@@ -76,8 +76,8 @@ fn legs(field: &mut Field, side: f32) {
         for offset in [-0.017, 0.017] {
             let toe = |y: f32, z: f32| v(side * x + offset, y, z);
             let shape =
-                Shape::Limb { a: toe(top, tip - 0.035), b: toe(0.02, tip + 0.022), radii: [0.008, 0.016] };
-            field.add(Affine3A::IDENTITY, shape, Carve(0.02));
+                Shape::Limb { a: toe(top, tip - 0.035), b: toe(0.02, tip + 0.022), radii: [0.005, 0.011] };
+            field.add(Affine3A::IDENTITY, shape, Carve(0.032));
         }
     }
 }

@@ -108,7 +108,7 @@ pub(super) fn plant(b: &mut Builder, pot: u32, soil: u32, leaf: u32, leaves: u32
     b.paint(soil);
     b.turned([around, b.steps(2.0, 1)], |v| Vec2::new(0.167 * (1.0 - v), 0.275 + 0.015 * v) * size);
     b.paint(leaf);
-    let cells = [b.steps(2.0, 2), b.steps(7.0, 3)];
+    let cells = [b.steps(2.0, 2), b.steps(6.0, 3)];
     for i in 0..leaves {
         let random = |k: u32| hash(seed * 9973 + i * 7 + k);
         let around = TAU * (i as f32 * 0.382 + 0.08 * random(0));

@@ -6,6 +6,8 @@ mod builder;
 mod furniture;
 mod hall;
 mod office;
+#[cfg(test)]
+mod office_tests;
 mod shapes;
 mod statue;
 

@@ -64,11 +64,11 @@ pub(super) fn office(detail: f32) -> Scene {
 
     let camera = CameraDescription {
         eye: Vec3::new(2.75, 1.62, 2.3),
-        at: Vec3::new(-0.75, 0.88, -0.75),
+        at: Vec3::new(-0.55, 0.92, -0.85),
         up: Vec3::Y,
-        fov_deg: 52.0,
+        fov_deg: 55.0,
     };
-    b.finish("office", lights(&bulbs), camera, Vec3::new(0.15, 0.16, 0.18), Vec3::new(0.62, 0.78, 0.95))
+    b.finish("office", lights(&bulbs), camera, Vec3::new(0.12, 0.125, 0.14), Vec3::new(0.62, 0.78, 0.95))
 }
 
 /// Materials of the office.
@@ -106,8 +106,8 @@ impl Paints {
         };
         const DARK: [f32; 3] = [0.0; 3];
         Paints {
-            wall: add("wall", [0.66, 0.67, 0.63], 0.0, 1.0, DARK),
-            floor: add("floor", [0.36, 0.27, 0.19], 0.06, 20.0, DARK),
+            wall: add("wall", [0.70, 0.68, 0.61], 0.0, 1.0, DARK),
+            floor: add("floor", [0.47, 0.31, 0.18], 0.06, 20.0, DARK),
             white: add("white", [0.78, 0.77, 0.74], 0.15, 40.0, DARK),
             tile: add("ceiling tile", [0.74, 0.74, 0.72], 0.0, 1.0, DARK),
             wood: add("birch", [0.66, 0.49, 0.31], 0.15, 35.0, DARK),
@@ -160,11 +160,11 @@ fn lights(bulbs: &[Vec3]) -> Vec<Light> {
         falloff: Falloff::InverseSquare,
     };
     let mut lights = vec![Light::Point {
-        position: Vec3::new(-13.0, 8.2, 4.4),
-        intensity: Vec3::new(1.0, 0.86, 0.64),
+        position: Vec3::new(-13.0, 6.1, 4.4),
+        intensity: Vec3::new(2.0, 1.62, 1.12),
         falloff: Falloff::None,
     }];
-    lights.extend(PANELS.map(|p| point(Vec3::new(p.x, HEIGHT - 0.12, p.y), [0.72, 0.78, 0.86])));
-    lights.extend(bulbs.iter().map(|&bulb| point(bulb, [0.26, 0.18, 0.09])));
+    lights.extend(PANELS.map(|p| point(Vec3::new(p.x, HEIGHT - 0.4, p.y), [0.66, 0.72, 0.80])));
+    lights.extend(bulbs.iter().map(|&bulb| point(bulb, [0.34, 0.22, 0.10])));
     lights
 }

@@ -141,7 +141,7 @@ pub(super) fn door(b: &mut Builder, paints: &Paints) {
     });
 }
 
-/// A whiteboard with a tray and pens on the far wall... of the window's opposite side.
+/// A whiteboard with a tray and pens, on the wall opposite the window.
 pub(super) fn board(b: &mut Builder, paints: &Paints) {
     b.part("whiteboard");
     b.at(set(HALF.x, 0.0, 0.5, -90.0), |b| {

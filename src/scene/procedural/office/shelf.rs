@@ -78,7 +78,7 @@ fn book(b: &mut Builder, paints: &Paints, size: Vec3, paint: u32) {
     b.paint(paint);
     let round = 0.004;
     b.block(n, v(0.0, 0.0, 0.0), size - v(0.0, 0.0, 0.001));
-    b.patch([b.steps(3.0, 2), n], true, |u, t| {
+    b.patch([b.steps(2.0, 2), n], true, |u, t| {
         let bulge = round * (1.0 - (2.0 * u - 1.0).powi(2));
         v(size.x * u, size.y * t, size.z + bulge)
     });

@@ -124,3 +124,42 @@ fn lights() -> Vec<Light> {
         point([-2.2, 3.0, -1.5], [4.0, 4.8, 6.0]),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashMap;
+
+    #[test]
+    fn the_rabbit_is_closed() {
+        for detail in [0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.3, 1.6, 2.0, 3.2] {
+            let (_, surface) = skin(detail);
+            let mut edges: HashMap<[u32; 2], u32> = HashMap::new();
+            for &[a, b, c] in &surface.triangles {
+                for edge in [[a, b], [b, c], [c, a]] {
+                    *edges.entry(edge).or_default() += 1;
+                }
+            }
+            // Each edge once in each direction: closed, two triangles an edge, consistently turned.
+            let odd = edges.iter().filter(|&(&[a, b], &n)| n != 1 || edges.get(&[b, a]) != Some(&1)).count();
+            assert_eq!(odd, 0, "detail {detail}");
+            // One piece without a handle: vertices - edges + triangles = 2.
+            let euler = surface.positions.len() as i64 - edges.len() as i64 / 2 + surface.triangles.len() as i64;
+            assert_eq!(euler, 2, "detail {detail}");
+        }
+    }
+
+    #[test]
+    fn the_gradient_is_that_of_the_field() {
+        let field = rabbit::rabbit();
+        for i in 0..500u32 {
+            let random = |k: u32| crate::scene::procedural::furniture::hash(i * 3 + k) - 0.5;
+            let p = field.project(Vec3::new(0.6 * random(0), 0.5 + 0.9 * random(1), random(2)));
+            let gradient = field.sample(p).gradient;
+            for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+                let difference = field.sample(p + axis * 1e-3).value - field.sample(p - axis * 1e-3).value;
+                assert!((difference / 2e-3 - gradient.dot(axis)).abs() < 0.05, "at {p}");
+            }
+        }
+    }
+}

@@ -119,7 +119,7 @@ pub(super) fn plant(b: &mut Builder, pot: u32, soil: u32, leaf: u32, leaves: u32
         let root = Vec3::Y * (0.28 * size) + out * (0.05 * size * random(4));
         // Rises, arches over, and droops; a fold along the middle.
         b.patch(cells, true, |u, v| {
-            let blade = width * (PI * (0.06 + 0.94 * v)).sin().powf(0.7);
+            let blade = width * (PI * (0.06 + 0.94 * v)).sin().max(0.0).powf(0.7);
             let side = 2.0 * u - 1.0;
             let spine = root + out * (reach * v * v) + Vec3::Y * (rise * (v - 0.45 * v * v * v));
             spine + across * (side * blade) + Vec3::Y * (0.35 * blade * side.abs())
@@ -150,7 +150,7 @@ pub(super) fn swivel_chair(b: &mut Builder, fabric: u32, frame: u32, metal: u32)
         Vec3::new(p.x, 0.86 - p.z, p.y - 0.27 + 0.16 * p.z + wrap + lumbar)
     });
     b.paint(frame);
-    let tube = [b.steps(7.0, 3), b.steps(9.0, 3)];
+    let tube = [b.steps(7.0, 5), b.steps(9.0, 5)];
     b.tube(tube, Vec3::X, |_| 0.022, |t| Vec3::new(0.0, 0.40 + 0.42 * t * t, -0.06 - 0.36 * t + 0.1 * t * t));
     for side in [-1.0, 1.0] {
         // The arm rest's bracket: out from under the seat and up.
@@ -159,9 +159,8 @@ pub(super) fn swivel_chair(b: &mut Builder, fabric: u32, frame: u32, metal: u32)
             Vec3::Z,
             |_| 0.014,
             |t| {
-                let out = (2.0 * t).min(1.0);
-                let up = (2.0 * t - 0.8).max(0.0) / 1.2;
-                Vec3::new(side * (0.17 + 0.14 * (out * PI / 2.0).sin()), 0.43 + 0.24 * up * up, -0.02)
+                let (sin, cos) = (t * PI / 2.0).sin_cos();
+                Vec3::new(side * (0.17 + 0.14 * sin), 0.43 + 0.24 * (1.0 - cos), -0.02)
             },
         );
         let pad = Affine3A::from_translation(Vec3::new(side * 0.31, 0.675, 0.0));

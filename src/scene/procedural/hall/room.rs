@@ -95,7 +95,12 @@ fn door(b: &mut Builder, paints: &Paints, x: f32) {
         panel(b, paints.walnut, v(leaf, 0.65, 0.045), v(0.26, 0.45, 0.02));
         b.paint(paints.brass);
         let (x, tube) = (x + side * 0.06, [b.steps(8.0, 3), b.steps(14.0, 4)]);
-        b.tube(tube, Vec3::X, |_| 0.012, |t| v(x, 1.0 + 0.4 * t, 0.03 + 0.075 * (PI * t).sin().sqrt()));
+        b.tube(
+            tube,
+            Vec3::X,
+            |_| 0.012,
+            |t| v(x, 1.0 + 0.4 * t, 0.03 + 0.075 * (PI * t).sin().max(0.0).sqrt()),
+        );
     }
 }
 

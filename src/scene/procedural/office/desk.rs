@@ -52,7 +52,7 @@ fn pedestal(b: &mut Builder, paints: &Paints) {
                 handle,
                 Vec3::Y,
                 |_| 0.005,
-                |t| v(-0.06 + 0.12 * t, y + 0.04, 0.272 + 0.024 * (PI * t).sin().sqrt()),
+                |t| v(-0.06 + 0.12 * t, y + 0.04, 0.272 + 0.024 * (PI * t).sin().max(0.0).sqrt()),
             );
         }
         b.paint(paints.dark);
@@ -100,23 +100,23 @@ fn monitor(b: &mut Builder, paints: &Paints, i: u32) {
     }
 }
 
-/// Five rows of keys and a mouse beside them.
+/// Five rows of keys, and a mouse beside them.
 fn keyboard(b: &mut Builder, paints: &Paints) {
     b.paint(paints.dark);
     plate_at(b, v(0.0, 0.008, 0.0), v(0.225, 0.009, 0.07), 0.012, 0.006);
     b.paint(paints.white);
+    // Fewer, wider keys where little detail is wanted.
+    let keys = b.steps(14.0, 3).min(14);
+    let wide = 0.424 / keys as f32;
     for row in 0..5 {
-        let mut x = -0.212;
-        let z = -0.052 + 0.0255 * row as f32;
-        for key in 0..14 {
-            let wide = match (row, key) {
-                (4, 4) => 0.11,
-                (4, _) if key > 9 => break,
-                (_, 13) => 0.212 - x,
-                _ => 0.0295,
-            };
-            keycap(b, v(x, 0.0165, z - 0.0105), Vec2::new(wide - 0.003, 0.0215));
-            x += wide;
+        let z = -0.0625 + 0.0255 * row as f32;
+        let mut key = 0;
+        while key < keys {
+            // The space bar.
+            let span = if row == 4 && key == keys / 4 { (keys / 2).max(1) } else { 1 };
+            let x = -0.212 + wide * key as f32;
+            keycap(b, v(x, 0.0165, z), Vec2::new(wide * span as f32 - 0.003, 0.0215));
+            key += span;
         }
     }
     b.paint(paints.dark);

@@ -6,6 +6,7 @@ use crate::scene::procedural::{
     furniture::{hash, set},
 };
 use glam::{Affine3A, Quat, Vec2, Vec3};
+use std::f32::consts::PI;
 
 const WIDTH: f32 = 1.1;
 const DEPTH: f32 = 0.30;
@@ -53,10 +54,12 @@ fn fill(b: &mut Builder, paints: &Paints, shelf: u32, y: f32) {
     let random = |i: u32, k: u32| hash(shelf * 1009 + i * 11 + k);
     let end = WIDTH / 2.0 - 0.04;
     let stop = if shelf % 4 == 1 { end - 0.38 } else { end - 0.09 };
+    // Fewer, thicker books where little detail is wanted.
+    let scale = b.steps(10.0, 3).min(10) as f32 / 10.0;
     let mut x = -end;
     let mut i = 0;
     while x < stop {
-        let thick = 0.022 + 0.03 * random(i, 0);
+        let thick = ((0.022 + 0.03 * random(i, 0)) / scale).min(end + 0.02 - x);
         let size = v(thick, 0.20 + 0.11 * random(i, 1), 0.15 + 0.06 * random(i, 2));
         let paint = paints.books[(random(i, 3) * 6.0) as usize];
         b.at(set(x, y - 0.001, 0.265 - 0.02 * random(i, 4) - size.z, 0.0), |b| book(b, paints, size, paint));
@@ -92,6 +95,6 @@ fn book(b: &mut Builder, paints: &Paints, size: Vec3, paint: u32) {
 fn vase(b: &mut Builder, paint: u32) {
     b.paint(paint);
     b.turned([b.steps(20.0, 6), b.steps(14.0, 4)], |t| {
-        Vec2::new(0.035 + 0.055 * (std::f32::consts::PI * t.powf(0.8)).sin() - 0.012 * t, 0.24 * t)
+        Vec2::new(0.035 + 0.055 * (PI * t.powf(0.8)).sin() - 0.012 * t, 0.24 * t)
     });
 }

@@ -75,8 +75,11 @@ fn legs(field: &mut Field, side: f32) {
     for (x, top, tip) in [(0.085, 0.096, 0.372), (0.215, 0.108, 0.142)] {
         for offset in [-0.017, 0.017] {
             let toe = |y: f32, z: f32| v(side * x + offset, y, z);
-            let shape =
-                Shape::Limb { a: toe(top, tip - 0.035), b: toe(0.02, tip + 0.022), radii: [0.005, 0.011] };
+            let shape = Shape::Limb {
+                a: toe(top + 0.004, tip - 0.035),
+                b: toe(0.03, tip + 0.03),
+                radii: [0.005, 0.011],
+            };
             field.add(Affine3A::IDENTITY, shape, Carve(0.032));
         }
     }

@@ -1,11 +1,11 @@
 //! Turns a [`Field`] into a closed mesh.
 //!
 //! ```text
-//!   field --surface nets--> quads --relax--> triangles --split n x n--> mesh
+//!   field --marching tetrahedra--> triangles --relax--> even triangles --split n x n--> mesh
 //! ```
 //!
-//! Surface nets put one vertex into every grid cell that the surface crosses and one quad across every grid edge that
-//! it crosses: closed by construction. Fine meshes split a coarse one, so that no grid has to hold billions of cells.
+//! A tetrahedron has no ambiguous case: the mesh is closed, every edge between two triangles, whatever the field.
+//! Fine meshes split a coarse one, so that no grid has to hold billions of cells.
 
 use super::field::Field;
 use glam::{UVec3, Vec3};
@@ -77,102 +77,114 @@ impl Grid {
     }
 }
 
-/// The surface of `field` inside `grid`, its quads of about even shape, all vertices on the surface.
+/// The surface of `field` inside `grid`, its triangles of about even shape, all vertices on the surface.
 pub(super) fn polygonise(field: &Field, grid: &Grid) -> Surface {
     let values = grid.values(field);
-    let (mut positions, mut quads) = nets(grid, &values);
-    for p in &mut positions {
+    let mut march = March { grid, values: &values, surface: Surface::default(), vertex_of: HashMap::new() };
+    march.all();
+    let mut surface = march.surface;
+    for p in &mut surface.positions {
         *p = field.project(*p);
     }
     for _ in 0..ROUNDS {
-        relax(field, &mut positions, &quads);
+        relax(field, &mut surface);
     }
-    let mut triangles = Vec::with_capacity(quads.len() * 2);
-    for quad in quads.drain(..) {
-        let [a, b, c, d] = quad;
-        let length = |i: u32, j: u32| positions[i as usize].distance_squared(positions[j as usize]);
-        let halves =
-            if length(a, c) <= length(b, d) { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
-        triangles.extend(halves);
-    }
-    Surface { positions, triangles }
+    surface
 }
 
-/// One vertex per crossed cell, at the mean of its edge crossings, and one quad per crossed edge, facing outwards.
-fn nets(grid: &Grid, values: &[f32]) -> (Vec<Vec3>, Vec<[u32; 4]>) {
-    let mut positions = Vec::new();
-    let mut vertex_of: HashMap<[u32; 3], u32> = HashMap::new();
-    let mut vertex = |cell: [u32; 3]| {
-        *vertex_of.entry(cell).or_insert_with(|| {
-            positions.push(crossing_mean(grid, values, cell));
-            positions.len() as u32 - 1
-        })
-    };
-    let mut quads = Vec::new();
-    let n = grid.cells.to_array();
-    for z in 1..n[2] {
-        for y in 1..n[1] {
-            for x in 1..n[0] {
-                let at = [x, y, z];
-                let here = values[grid.index(x, y, z)] < 0.0;
-                for axis in 0..3 {
-                    let next = step(at, axis);
-                    if here == (values[grid.index(next[0], next[1], next[2])] < 0.0) {
-                        continue;
+/// The six ways to walk from the low to the high corner of a cell along its axes, each a tetrahedron; corners are
+/// bit masks of axes.
+const TETRAHEDRA: [[u32; 4]; 6] =
+    [[0, 1, 3, 7], [0, 1, 5, 7], [0, 2, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 4, 6, 7]];
+
+struct March<'a> {
+    grid: &'a Grid,
+    values: &'a [f32],
+    surface: Surface,
+    /// Vertex on the edge from a grid corner along a mask of axes.
+    vertex_of: HashMap<(usize, u32), u32>,
+}
+
+impl March<'_> {
+    fn all(&mut self) {
+        let n = self.grid.cells;
+        for z in 0..n.z {
+            for y in 0..n.y {
+                for x in 0..n.x {
+                    let inside = |mask: u32| self.value([x, y, z], mask) < 0.0;
+                    let count = (0..8).filter(|&mask| inside(mask)).count();
+                    if count > 0 && count < 8 {
+                        for tetrahedron in TETRAHEDRA {
+                            self.tetrahedron([x, y, z], tetrahedron);
+                        }
                     }
-                    // The four cells around the edge, counter-clockwise as seen against the axis.
-                    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-                    let cell = |du: u32, dv: u32| {
-                        let mut cell = at;
-                        cell[u] -= du;
-                        cell[v] -= dv;
-                        cell
-                    };
-                    let [a, b, c, d] = [cell(1, 1), cell(0, 1), cell(0, 0), cell(1, 0)].map(&mut vertex);
-                    quads.push(if here { [a, b, c, d] } else { [a, d, c, b] });
                 }
             }
         }
     }
-    (positions, quads)
-}
 
-fn step(mut at: [u32; 3], axis: usize) -> [u32; 3] {
-    at[axis] += 1;
-    at
-}
+    fn index(&self, [x, y, z]: [u32; 3], mask: u32) -> usize {
+        self.grid.index(x + (mask & 1), y + (mask >> 1 & 1), z + (mask >> 2))
+    }
 
-fn crossing_mean(grid: &Grid, values: &[f32], cell: [u32; 3]) -> Vec3 {
-    let (mut sum, mut count) = (Vec3::ZERO, 0.0);
-    for axis in 0..3 {
-        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-        for [du, dv] in [[0, 0], [0, 1], [1, 0], [1, 1]] {
-            let mut a = cell;
-            a[u] += du;
-            a[v] += dv;
-            let b = step(a, axis);
-            let [va, vb] = [a, b].map(|c| values[grid.index(c[0], c[1], c[2])]);
-            if (va < 0.0) != (vb < 0.0) {
-                let [pa, pb] = [a, b].map(|c| grid.place(c[0], c[1], c[2]));
-                sum += pa.lerp(pb, va / (va - vb));
-                count += 1.0;
+    fn value(&self, cell: [u32; 3], mask: u32) -> f32 {
+        self.values[self.index(cell, mask)]
+    }
+
+    fn place(&self, [x, y, z]: [u32; 3], mask: u32) -> Vec3 {
+        self.grid.place(x + (mask & 1), y + (mask >> 1 & 1), z + (mask >> 2))
+    }
+
+    /// The vertex on the edge between two corners of a cell.
+    fn vertex(&mut self, cell: [u32; 3], one: u32, other: u32) -> u32 {
+        let (low, high) = (one.min(other), one.max(other));
+        let key = (self.index(cell, low), high ^ low);
+        if let Some(&vertex) = self.vertex_of.get(&key) {
+            return vertex;
+        }
+        let (a, b) = (self.value(cell, low), self.value(cell, high));
+        // Off the corners, where several vertices would coincide.
+        let t = (a / (a - b)).clamp(0.1, 0.9);
+        self.surface.positions.push(self.place(cell, low).lerp(self.place(cell, high), t));
+        let vertex = self.surface.positions.len() as u32 - 1;
+        self.vertex_of.insert(key, vertex);
+        vertex
+    }
+
+    fn tetrahedron(&mut self, cell: [u32; 3], corners: [u32; 4]) {
+        let (inner, outer): (Vec<u32>, Vec<u32>) = corners.iter().partition(|&&c| self.value(cell, c) < 0.0);
+        let mut polygon = Vec::with_capacity(4);
+        match (inner.as_slice(), outer.as_slice()) {
+            (&[a], others) | (others, &[a]) => {
+                polygon.extend(others.iter().map(|&other| self.vertex(cell, a, other)));
             }
+            (&[a, b], &[c, d]) => {
+                polygon.extend([(a, c), (a, d), (b, d), (b, c)].map(|(i, o)| self.vertex(cell, i, o)));
+            }
+            _ => return,
+        }
+        let outwards = self.place(cell, outer[0]) - self.place(cell, inner[0]);
+        let [a, b, c] = [0, 1, 2].map(|i| self.surface.positions[polygon[i] as usize]);
+        if (b - a).cross(c - a).dot(outwards) < 0.0 {
+            polygon.reverse();
+        }
+        for i in 2..polygon.len() {
+            self.surface.triangles.push([polygon[0], polygon[i - 1], polygon[i]]);
         }
     }
-    sum / count
 }
 
 /// Moves every vertex half way to the mean of its neighbours, then back onto the surface.
-fn relax(field: &Field, positions: &mut [Vec3], quads: &[[u32; 4]]) {
-    let mut sum = vec![(Vec3::ZERO, 0.0); positions.len()];
-    for quad in quads {
-        for k in 0..4 {
-            let (here, next) = (quad[k] as usize, quad[(k + 1) % 4] as usize);
-            sum[here].0 += positions[next];
+fn relax(field: &Field, surface: &mut Surface) {
+    let mut sum = vec![(Vec3::ZERO, 0.0); surface.positions.len()];
+    for triangle in &surface.triangles {
+        for k in 0..3 {
+            let (here, next) = (triangle[k] as usize, triangle[(k + 1) % 3] as usize);
+            sum[here].0 += surface.positions[next];
             sum[here].1 += 1.0;
         }
     }
-    for (p, (neighbours, count)) in positions.iter_mut().zip(sum) {
+    for (p, (neighbours, count)) in surface.positions.iter_mut().zip(sum) {
         *p = field.project(p.lerp(neighbours / count, 0.5));
     }
 }

@@ -61,22 +61,26 @@ impl Builder {
     /// A surface `f(u, v)` over the unit square in `nu` x `nv` cells, front side where du x dv points. With `smooth`,
     /// normals are taken from the surface itself by differences, so that neighbouring patches of one curved form
     /// shade without a seam.
-    pub(super) fn patch(&mut self, [nu, nv]: [usize; 2], smooth: bool, f: impl Fn(f32, f32) -> Vec3) {
-        let first = self.mesh.positions.len() as u32;
-        let linear = Mat3::from(self.placement.matrix3);
-        let cofactor = linear.inverse().transpose();
-        for j in 0..=nv {
-            for i in 0..=nu {
-                let (u, v) = (i as f32 / nu as f32, j as f32 / nv as f32);
-                self.mesh.positions.push(self.placement.transform_point3(f(u, v)));
-                let normal = if smooth { surface_normal(&f, u, v) } else { Vec3::ZERO };
-                self.mesh.normals.push((cofactor * normal).normalize_or_zero());
-            }
-        }
+    pub(super) fn patch(&mut self, cells: [usize; 2], smooth: bool, f: impl Fn(f32, f32) -> Vec3) {
+        let material = self.material;
+        self.mosaic(cells, smooth, |_, _| material, f);
+    }
+
+    /// A patch whose cell (i, j) has the material `paint(i, j)`: stones and tiles that share their edges exactly.
+    pub(super) fn mosaic(
+        &mut self,
+        [nu, nv]: [usize; 2],
+        smooth: bool,
+        paint: impl Fn(usize, usize) -> u32,
+        f: impl Fn(f32, f32) -> Vec3,
+    ) {
+        let outer = self.material;
+        let first = self.grid([nu, nv], smooth, f);
         let row = nu as u32 + 1;
-        for j in 0..nv as u32 {
-            for i in 0..nu as u32 {
-                let a = first + j * row + i;
+        for j in 0..nv {
+            for i in 0..nu {
+                self.material = paint(i, j);
+                let a = first + j as u32 * row + i as u32;
                 // Alternating diagonals: no long folds along one direction.
                 let (b, c, d) = (a + 1, a + row + 1, a + row);
                 let [one, two] =
@@ -85,6 +89,22 @@ impl Builder {
                 self.triangle(two);
             }
         }
+        self.material = outer;
+    }
+
+    /// Adds the vertices of a patch, row by row; the result is the index of the first.
+    fn grid(&mut self, [nu, nv]: [usize; 2], smooth: bool, f: impl Fn(f32, f32) -> Vec3) -> u32 {
+        let first = self.mesh.positions.len() as u32;
+        let cofactor = Mat3::from(self.placement.matrix3).inverse().transpose();
+        for j in 0..=nv {
+            for i in 0..=nu {
+                let (u, v) = (i as f32 / nu as f32, j as f32 / nv as f32);
+                self.mesh.positions.push(self.placement.transform_point3(f(u, v)));
+                let normal = if smooth { surface_normal(&f, u, v) } else { Vec3::ZERO };
+                self.mesh.normals.push((cofactor * normal).normalize_or_zero());
+            }
+        }
+        first
     }
 
     /// A parallelogram from `corner` along `du` and `dv`, facing du x dv, in `cells`.

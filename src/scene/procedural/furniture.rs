@@ -2,6 +2,7 @@
 
 use super::{
     builder::Builder,
+    hash,
     shapes::{Slab, SlabCells},
 };
 use glam::{Affine3A, Quat, Vec2, Vec3};
@@ -11,14 +12,6 @@ use std::f32::consts::{PI, TAU};
 pub(super) fn set(x: f32, y: f32, z: f32, degrees: f32) -> Affine3A {
     let turn = Quat::from_rotation_y(degrees.to_radians());
     Affine3A::from_rotation_translation(turn, Vec3::new(x, y, z))
-}
-
-/// A number in [0, 1) that depends on `index` alone.
-pub(super) fn hash(index: u32) -> f32 {
-    let mut h = index.wrapping_mul(0x9e37_79b9) ^ 0x85eb_ca6b;
-    h = (h ^ (h >> 16)).wrapping_mul(0x7feb_352d);
-    h = (h ^ (h >> 15)).wrapping_mul(0x846c_a68b);
-    ((h ^ (h >> 16)) >> 8) as f32 / (1 << 24) as f32
 }
 
 /// A plate with soft edges, `half` of its size each way, centred on the placement.
@@ -110,7 +103,7 @@ pub(super) fn plant(b: &mut Builder, pot: u32, soil: u32, leaf: u32, leaves: u32
     b.paint(leaf);
     let cells = [b.steps(2.0, 2), b.steps(6.0, 3)];
     for i in 0..leaves {
-        let random = |k: u32| hash(seed * 9973 + i * 7 + k);
+        let random = |k: u32| hash::unit(seed * 9973 + i * 7 + k, 0);
         let around = TAU * (i as f32 * 0.382 + 0.08 * random(0));
         let (reach, rise) = (size * (0.25 + 0.4 * random(1)), size * (0.55 + 0.6 * random(2)));
         let width = size * (0.045 + 0.03 * random(3));

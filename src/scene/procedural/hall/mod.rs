@@ -6,6 +6,7 @@ mod room;
 use super::{
     builder::Builder,
     furniture::{set, stacking_chair},
+    hash,
 };
 use crate::scene::{CameraDescription, Falloff, Light, Material, Scene};
 use glam::Vec3;
@@ -111,7 +112,7 @@ fn audience(b: &mut Builder, paints: &Paints) {
                     continue;
                 }
                 let fabric = if (row + seat) % 7 == 3 { paints.accent } else { paints.cushion };
-                let jitter = 5.0 * (super::furniture::hash(row * 64 + seat * 2 + (side > 0.0) as u32) - 0.5);
+                let jitter = 5.0 * (hash::unit(row * 64 + seat * 2 + (side > 0.0) as u32, 0) - 0.5);
                 let turn = 180.0 + (side * angle).to_degrees() + jitter;
                 b.at(set(x, 0.0, z, turn), |b| stacking_chair(b, paints.oak, fabric, paints.steel));
             }

@@ -94,7 +94,7 @@ fn door(b: &mut Builder, paints: &Paints, x: f32) {
         panel(b, paints.walnut, v(leaf, 1.85, 0.045), v(0.26, 0.5, 0.02));
         panel(b, paints.walnut, v(leaf, 0.65, 0.045), v(0.26, 0.45, 0.02));
         b.paint(paints.brass);
-        let (x, tube) = (x + side * 0.06, [b.steps(8.0, 3), b.steps(14.0, 4)]);
+        let (x, tube) = (x + side * 0.06, [b.steps(8.0, 5), b.steps(14.0, 8)]);
         b.tube(
             tube,
             Vec3::X,

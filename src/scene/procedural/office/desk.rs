@@ -3,7 +3,8 @@
 use super::{Paints, room::upright};
 use crate::scene::procedural::{
     builder::Builder,
-    furniture::{hash, plate, set},
+    furniture::{plate, set},
+    hash,
 };
 use glam::{Affine3A, Vec2, Vec3};
 use std::f32::consts::PI;
@@ -84,8 +85,8 @@ fn monitor(b: &mut Builder, paints: &Paints, i: u32) {
     mark(paints.window, -0.0005, -0.25 + shift, 0.20, 0.30, 0.27);
     mark(paints.window, -0.0005, 0.10 + shift, 0.25, 0.13, 0.17);
     for line in 0..9 {
-        let length = 0.06 + 0.18 * hash(i * 31 + line);
-        let indent = 0.02 * (hash(i * 57 + line) * 3.0).floor();
+        let length = 0.06 + 0.18 * hash::unit(i * 31 + line, 0);
+        let indent = 0.02 * (hash::unit(i * 57 + line, 0) * 3.0).floor();
         mark(paints.text, 0.001, -0.235 + shift + indent, 0.44 - 0.026 * line as f32, length, 0.011);
     }
     for bar in 0..5 {
@@ -95,7 +96,7 @@ fn monitor(b: &mut Builder, paints: &Paints, i: u32) {
             0.11 + shift + 0.022 * bar as f32,
             0.262,
             0.014,
-            0.03 + 0.11 * hash(i * 91 + bar),
+            0.03 + 0.11 * hash::unit(i * 91 + bar, 0),
         );
     }
 }
@@ -171,7 +172,7 @@ fn clutter(b: &mut Builder, paints: &Paints, i: u32) {
     });
     b.paint(paints.white);
     for sheet in 0..4 {
-        let turn = 12.0 * (hash(i * 17 + sheet) - 0.5) + 20.0;
+        let turn = 12.0 * (hash::unit(i * 17 + sheet, 0) - 0.5) + 20.0;
         b.at(set(0.52, TOP + 0.0015 + 0.0025 * sheet as f32, 0.18, turn), |b| {
             b.block(b.steps(1.0, 1), v(-0.105, 0.0, -0.148), v(0.105, 0.0015, 0.148));
         });
@@ -179,7 +180,7 @@ fn clutter(b: &mut Builder, paints: &Paints, i: u32) {
     for k in 0..3 {
         let y = TOP + 0.001 + 0.032 * k as f32;
         b.paint(paints.books[((i * 5 + k * 7) % 6) as usize]);
-        b.at(set(0.58, y, -0.18, 40.0 * (hash(i * 23 + k) - 0.5)), |b| {
+        b.at(set(0.58, y, -0.18, 40.0 * (hash::unit(i * 23 + k, 0) - 0.5)), |b| {
             b.block(b.steps(1.0, 1), v(-0.09, 0.0, -0.12), v(0.09, 0.03, 0.12));
         });
     }

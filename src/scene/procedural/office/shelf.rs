@@ -1,10 +1,7 @@
 //! Bookcases along the far wall.
 
 use super::{HALF, Paints};
-use crate::scene::procedural::{
-    builder::Builder,
-    furniture::{hash, set},
-};
+use crate::scene::procedural::{builder::Builder, furniture::set, hash};
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use std::f32::consts::PI;
 
@@ -51,7 +48,7 @@ fn carcass(b: &mut Builder, paints: &Paints) {
 
 /// Books side by side from the left; where they end, the last one leans, and an ornament fills the rest.
 fn fill(b: &mut Builder, paints: &Paints, shelf: u32, y: f32) {
-    let random = |i: u32, k: u32| hash(shelf * 1009 + i * 11 + k);
+    let random = |i: u32, k: u32| hash::unit(shelf * 1009 + i * 11 + k, 0);
     let end = WIDTH / 2.0 - 0.04;
     let stop = if shelf % 4 == 1 { end - 0.38 } else { end - 0.09 };
     // Fewer, thicker books where little detail is wanted.

@@ -15,7 +15,7 @@ const CELL: f32 = 0.0171;
 /// Above this detail a coarser rabbit is split instead of a finer grid searched.
 const GRID_DETAIL: f32 = 1.5;
 /// Below this detail the grid would lose the ears.
-const LEAST_DETAIL: f32 = 0.25;
+const LEAST_DETAIL: f32 = 0.35;
 /// Height of the plinth's top.
 const TOP: f32 = 0.62;
 
@@ -131,11 +131,12 @@ fn lights() -> Vec<Light> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::procedural::hash;
     use std::collections::HashMap;
 
     #[test]
     fn the_rabbit_is_closed() {
-        for detail in [0.1, 0.35, 0.5, 0.7, 1.0, 1.3, 1.6, 2.0, 3.2] {
+        for detail in [0.35, 0.42, 0.5, 0.6, 0.7, 1.0, 1.3, 1.6, 2.0, 3.2] {
             let (_, surface) = skin(detail);
             let mut edges: HashMap<[u32; 2], u32> = HashMap::new();
             for &[a, b, c] in &surface.triangles {
@@ -158,7 +159,7 @@ mod tests {
     fn the_gradient_is_that_of_the_field() {
         let field = rabbit::rabbit();
         for i in 0..500u32 {
-            let random = |k: u32| crate::scene::procedural::furniture::hash(i * 3 + k) - 0.5;
+            let random = |k: u32| hash::unit(i * 3 + k, 0) - 0.5;
             let p = field.project(Vec3::new(0.6 * random(0), 0.5 + 0.9 * random(1), random(2)));
             let gradient = field.sample(p).gradient;
             for axis in [Vec3::X, Vec3::Y, Vec3::Z] {

@@ -112,6 +112,6 @@ fn ear(add: &mut impl FnMut(Affine3A, Shape, Join), side: f32) {
     let place = |p: Vec3| frame * posed(p, Vec3::ZERO);
     let stalk = Shape::Limb { a: v(0.0, -0.03, 0.0), b: v(0.0, 0.1, 0.0), radii: [0.05, 0.036] };
     add(frame, stalk, Melt(0.05));
-    add(place(v(0.0, 0.22, 0.0)), Shape::Ellipsoid(v(0.066, 0.19, 0.036)), Melt(0.03));
-    add(place(v(0.0, 0.215, 0.048)), Shape::Ellipsoid(v(0.042, 0.155, 0.044)), Carve(0.03));
+    add(place(v(0.0, 0.22, 0.0)), Shape::Ellipsoid(v(0.066, 0.19, 0.044)), Melt(0.03));
+    add(place(v(0.0, 0.215, 0.06)), Shape::Ellipsoid(v(0.042, 0.155, 0.044)), Carve(0.03));
 }

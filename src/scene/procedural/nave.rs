@@ -1,0 +1,349 @@
+//! The nave: a rib-vaulted church of seven bays with side aisles and an apse, the sun falling in through the
+//! clerestory.
+//!
+//! x runs from the west wall to the altar, y up. Each side is described once, with the nave towards +z and the axis of
+//! its piers at z = 0, and turned into place.
+
+mod furniture;
+mod gothic;
+
+use super::{
+    architecture::{Arch, arched_wall, bar, coursed_wall, facing, matt, moulding, moved, polished},
+    builder::Builder,
+    hash::unit,
+};
+use crate::scene::{CameraDescription, Falloff, Light, Material, Scene};
+use glam::{Affine3A, Vec2, Vec3};
+use gothic::Window;
+use std::f32::consts::{FRAC_PI_2, PI};
+
+const BAYS: usize = 7;
+/// Width of a bay.
+const BAY: f32 = 4.0;
+/// Half the length of the nave.
+const HALF: f32 = 0.5 * BAY * BAYS as f32;
+/// From the axis of the nave to that of the piers.
+const PIERS: f32 = 4.0;
+/// Thickness of the arcade.
+const THICK: f32 = 0.9;
+/// Half the clear width of the nave.
+const CLEAR: f32 = PIERS - 0.5 * THICK;
+/// From the axis of the piers to the inner face of the outer wall.
+const AISLE: f32 = 3.6;
+/// Height of the piers.
+const PIER: f32 = 4.9;
+/// Top of the arcade's wall.
+const ARCADE: f32 = 7.8;
+/// Where the vault of the nave springs.
+const SPRINGING: f32 = 9.2;
+/// Top of all walls of the nave.
+const TOP: f32 = 14.2;
+
+const ARCADE_ARCH: Arch = Arch { half: 1.42, point: 1.6 };
+const VAULT: Arch = Arch { half: CLEAR, point: 1.3 };
+const AISLE_VAULT: Arch = Arch { half: 1.6, point: 1.3 };
+/// In the wall above the arcade, which begins at [`ARCADE`].
+const CLERESTORY: Window = Window { arch: Arch { half: 0.95, point: 2.0 }, sill: 1.5, springing: 3.1 };
+const AISLE_WINDOW: Window = Window { arch: Arch { half: 0.9, point: 2.0 }, sill: 1.7, springing: 3.7 };
+const APSE_WINDOW: Window = Window { arch: Arch { half: 0.55, point: 2.0 }, sill: 2.9, springing: 6.6 };
+
+/// Material numbers.
+struct Palette {
+    stone: u32,
+    carved: u32,
+    shaft: u32,
+    web: u32,
+    ashlar: [u32; 3],
+    tiles: [u32; 3],
+    dark_tiles: [u32; 2],
+    wood: u32,
+    marble: u32,
+    gold: u32,
+    iron: u32,
+    wax: u32,
+    flame: u32,
+    linen: u32,
+    carpet: u32,
+    glass: [u32; 7],
+}
+
+impl Palette {
+    fn new(b: &mut Builder) -> Palette {
+        let glowing = |name: &str, kd: [f32; 3], strength: f32| Material {
+            ke: Vec3::from(kd) * strength,
+            ..matt(name, kd)
+        };
+        let glass = [
+            [0.05, 0.14, 0.62],
+            [0.08, 0.22, 0.75],
+            [0.62, 0.05, 0.06],
+            [0.75, 0.10, 0.08],
+            [0.85, 0.58, 0.10],
+            [0.08, 0.42, 0.18],
+            [0.36, 0.10, 0.48],
+        ];
+        let ashlar = [[0.62, 0.57, 0.48], [0.57, 0.52, 0.44], [0.66, 0.61, 0.52]];
+        let tiles = [[0.50, 0.45, 0.38], [0.45, 0.40, 0.34], [0.54, 0.50, 0.43]];
+        let dark = [[0.20, 0.19, 0.19], [0.26, 0.15, 0.12]];
+        Palette {
+            stone: b.material(matt("stone", [0.64, 0.59, 0.50])),
+            carved: b.material(matt("carved stone", [0.72, 0.67, 0.57])),
+            shaft: b.material(polished("dark shaft", [0.36, 0.32, 0.30], 0.22, 40.0)),
+            web: b.material(matt("vault", [0.74, 0.70, 0.62])),
+            ashlar: ashlar.map(|kd| b.material(matt("ashlar", kd))),
+            tiles: tiles.map(|kd| b.material(polished("floor", kd, 0.12, 30.0))),
+            dark_tiles: dark.map(|kd| b.material(polished("dark floor", kd, 0.2, 40.0))),
+            wood: b.material(polished("oak", [0.26, 0.13, 0.06], 0.12, 24.0)),
+            marble: b.material(polished("marble", [0.78, 0.75, 0.70], 0.2, 50.0)),
+            gold: b.material(polished("gold", [0.72, 0.50, 0.14], 0.6, 40.0)),
+            iron: b.material(polished("iron", [0.06, 0.06, 0.06], 0.25, 24.0)),
+            wax: b.material(matt("wax", [0.85, 0.80, 0.66])),
+            flame: b.material(glowing("flame", [1.0, 0.72, 0.30], 1.2)),
+            linen: b.material(matt("linen", [0.80, 0.78, 0.72])),
+            carpet: b.material(matt("carpet", [0.42, 0.04, 0.05])),
+            glass: glass.map(|kd| b.material(glowing("glass", kd, 1.0))),
+        }
+    }
+}
+
+/// Makes the scene.
+pub(super) fn nave(detail: f32) -> Scene {
+    let mut b = Builder::new(detail);
+    let m = Palette::new(&mut b);
+    on_both_sides(&mut b, "piers", |b| piers(b, &m));
+    on_both_sides(&mut b, "arcades", |b| arcade(b, &m));
+    on_both_sides(&mut b, "clerestory", |b| clerestory(b, &m));
+    on_both_sides(&mut b, "aisles", |b| aisle(b, &m));
+    b.part("vault");
+    vault(&mut b, &m);
+    b.part("apse");
+    b.at(moved(HALF, 0.0, 0.0), |b| apse(b, &m));
+    b.part("end walls");
+    end_walls(&mut b, &m);
+    b.part("floor");
+    floor(&mut b, &m);
+    b.part("pews");
+    pews(&mut b, &m);
+    b.part("altar");
+    b.at(moved(HALF + 0.3, 0.0, 0.0), |b| altar(b, &m));
+    b.part("chandeliers");
+    for x in [-3.0, 5.0] {
+        let iron = [m.iron, m.wax, m.flame];
+        b.at(moved(x, SPRINGING + VAULT.rise(), 0.0), |b| furniture::chandelier(b, 8.4, iron));
+    }
+    let camera = CameraDescription {
+        eye: Vec3::new(-12.6, 2.5, 0.9),
+        at: Vec3::new(2.0, 5.3, -0.2),
+        up: Vec3::Y,
+        fov_deg: 68.0,
+    };
+    b.finish("nave", lights(), camera, Vec3::new(0.10, 0.115, 0.15), Vec3::new(0.72, 0.84, 1.0))
+}
+
+fn lights() -> Vec<Light> {
+    let light = |position: Vec3, intensity: [f32; 3], falloff: Falloff| Light::Point {
+        position,
+        intensity: intensity.into(),
+        falloff,
+    };
+    vec![
+        light(Vec3::new(-26.0, 62.0, 50.0), [2.3, 1.80, 1.15], Falloff::None),
+        light(Vec3::new(-11.0, 9.5, -1.5), [0.17, 0.20, 0.27], Falloff::None),
+        light(Vec3::new(HALF - 1.6, 4.6, 0.0), [15.0, 9.5, 4.6], Falloff::InverseSquare),
+        light(Vec3::new(-3.0, 4.9, 0.0), [9.0, 6.4, 3.6], Falloff::InverseSquare),
+    ]
+}
+
+fn on_both_sides(b: &mut Builder, part: &str, build: impl Fn(&mut Builder)) {
+    b.part(part);
+    for quarters in [0, 2] {
+        b.at(facing(quarters, Vec3::ZERO) * moved(0.0, 0.0, -PIERS), |b| build(b));
+    }
+}
+
+/// Middle of bay `i`.
+fn bay(i: usize) -> f32 {
+    (i as f32 + 0.5) * BAY - HALF
+}
+
+/// Piers, and the shafts that rise from them to the vault.
+fn piers(b: &mut Builder, m: &Palette) {
+    for i in 0..=BAYS {
+        b.at(moved(i as f32 * BAY - HALF, 0.0, 0.0), |b| {
+            gothic::clustered_pier(b, PIER, 0.4, m.carved, m.shaft);
+            for x in [-0.2, 0.0, 0.2] {
+                let z = 0.5 * THICK + if x == 0.0 { 0.1 } else { 0.03 };
+                b.at(moved(x, PIER - 0.01, z), |b| {
+                    gothic::colonnette(b, SPRINGING - PIER, 0.085, [m.carved, m.stone]);
+                });
+            }
+            b.paint(m.carved);
+            let z = 0.5 * THICK;
+            b.cuboid(Vec3::new(-0.4, SPRINGING - 0.12, z - 0.1), Vec3::new(0.4, SPRINGING + 0.04, z + 0.3));
+        });
+    }
+}
+
+fn arcade(b: &mut Builder, m: &Palette) {
+    for i in 0..BAYS {
+        b.at(moved(bay(i), PIER, 0.0), |b| {
+            b.paint(m.stone);
+            arched_wall(b, ARCADE_ARCH, 0.5 * BAY, ARCADE - PIER, THICK);
+            b.paint(m.carved);
+            gothic::arcade_mouldings(b, ARCADE_ARCH, THICK);
+        });
+    }
+    let p = Vec2::new;
+    let string = [p(-0.02, 0.44), p(0.04, 0.54), p(0.12, 0.57), p(0.18, 0.56), p(0.24, 0.44)];
+    let cells = b.steps(24.0, 1);
+    b.at(moved(-HALF, ARCADE, 0.0), |b| moulding(b, 2.0 * HALF, [0.0; 2], cells, &string));
+}
+
+fn clerestory(b: &mut Builder, m: &Palette) {
+    // In the plane of the arcade's face, but thinner, so that more sun comes in.
+    let thick = 0.4;
+    for i in 0..BAYS {
+        b.at(moved(bay(i), ARCADE, 0.5 * (THICK - thick)), |b| {
+            b.paint(m.stone);
+            gothic::windowed_wall(b, CLERESTORY, 0.5 * BAY, TOP - ARCADE, thick);
+            b.paint(m.carved);
+            gothic::tracery(b, CLERESTORY);
+        });
+    }
+}
+
+/// Vaults, outer wall and stained windows of an aisle.
+fn aisle(b: &mut Builder, m: &Palette) {
+    let middle = -0.5 * (AISLE + 0.5 * THICK);
+    let half = Vec2::new(0.5 * BAY, 0.5 * (AISLE - 0.5 * THICK));
+    let thick = 0.5;
+    for i in 0..BAYS {
+        b.at(moved(bay(i), PIER, middle), |b| {
+            gothic::ribbed_vault(b, AISLE_VAULT, half, [m.web, m.carved], 0.075);
+        });
+        b.at(moved(bay(i), 0.0, -AISLE - 0.5 * thick), |b| {
+            b.paint(m.stone);
+            gothic::windowed_wall(b, AISLE_WINDOW, 0.5 * BAY, ARCADE, thick);
+            b.paint(m.carved);
+            gothic::tracery(b, AISLE_WINDOW);
+            b.at(moved(0.0, 0.0, -0.05), |b| gothic::stained_glass(b, AISLE_WINDOW, &m.glass, i as u32 % 3));
+        });
+    }
+    for i in 0..=BAYS {
+        let x = i as f32 * BAY - HALF;
+        b.at(moved(x, PIER, middle), |b| gothic::transverse_rib(b, AISLE_VAULT, half.y, 0.12));
+        b.at(moved(x, 0.0, -AISLE), |b| gothic::colonnette(b, PIER, 0.16, [m.carved, m.shaft]));
+    }
+}
+
+fn vault(b: &mut Builder, m: &Palette) {
+    let half = Vec2::new(0.5 * BAY, CLEAR);
+    for i in 0..BAYS {
+        b.at(moved(bay(i), SPRINGING, 0.0), |b| {
+            gothic::ribbed_vault(b, VAULT, half, [m.web, m.carved], 0.11);
+        });
+    }
+    for i in 0..=BAYS {
+        let x = i as f32 * BAY - HALF;
+        b.at(moved(x, SPRINGING, 0.0), |b| gothic::transverse_rib(b, VAULT, CLEAR, 0.16));
+    }
+}
+
+/// A half round at the end of the nave, its middle on the origin: wall, half dome with ribs, stained windows.
+fn apse(b: &mut Builder, m: &Palette) {
+    let angle = |u: f32| (PI * (u - 0.5)).sin_cos();
+    let cells = [b.steps(36.0, 8), b.steps(14.0, 4)];
+    let ashlar =
+        |i: usize, j: usize| m.ashlar[(unit((i + j % 2) as u32 / 2 + 4096 * j as u32, 71) * 3.0) as usize];
+    b.mosaic(cells, true, ashlar, |u, v| {
+        let (sin, cos) = angle(u);
+        Vec3::new(CLEAR * cos, SPRINGING * v, CLEAR * sin)
+    });
+    b.paint(m.web);
+    b.patch([cells[0], b.steps(8.0, 3)], true, |u, v| {
+        let (sin, cos) = angle(u);
+        let s = ((1.0 - v) * FRAC_PI_2).sin();
+        Vec3::new(CLEAR * s * cos, SPRINGING + VAULT.height(s), CLEAR * s * sin)
+    });
+    let rib = [b.steps(6.0, 3), b.steps(10.0, 3)];
+    for k in 0..6 {
+        let turn = Affine3A::from_rotation_y(-PI * (k as f32 / 5.0 - 0.5) * 0.9);
+        b.at(turn, |b| {
+            b.paint(m.carved);
+            bar(b, rib, 0.1, Vec3::NEG_Z, |v| {
+                let s = (v * FRAC_PI_2).sin();
+                Vec3::new(CLEAR * s, SPRINGING + VAULT.height(s) - 0.03, 0.0)
+            });
+            b.at(moved(CLEAR - 0.03, 0.0, 0.0), |b| {
+                gothic::colonnette(b, SPRINGING, 0.13, [m.carved, m.shaft])
+            });
+        });
+    }
+    for k in 0..5 {
+        let turn = Affine3A::from_rotation_y(-PI * ((k as f32 + 0.5) / 5.0 - 0.5) * 0.9);
+        b.at(turn * facing(3, Vec3::new(CLEAR - 0.08, 0.0, 0.0)), |b| {
+            gothic::stained_glass(b, APSE_WINDOW, &m.glass, 3 + (k as i32 - 2).unsigned_abs());
+            b.paint(m.carved);
+            gothic::tracery(b, APSE_WINDOW);
+        });
+    }
+}
+
+/// The west wall, and the east walls of the aisles.
+fn end_walls(b: &mut Builder, m: &Palette) {
+    let out = PIERS + AISLE;
+    b.at(facing(1, Vec3::new(-HALF, 0.0, out)), |b| {
+        coursed_wall(b, Vec2::new(2.0 * out, TOP), 16.0, &m.ashlar, 72);
+    });
+    for z in [-out, CLEAR] {
+        b.at(facing(3, Vec3::new(HALF, 0.0, z)), |b| {
+            coursed_wall(b, Vec2::new(out - CLEAR, ARCADE), 9.0, &m.ashlar, 73);
+        });
+    }
+}
+
+fn floor(b: &mut Builder, m: &Palette) {
+    let (long, wide) = (2.0 * HALF + CLEAR, 2.0 * (PIERS + AISLE));
+    let fine = b.steps(1.0, 1);
+    let [nx, nz] = [long, wide].map(|length| b.steps(length / 0.6, 4).min((length / 0.6) as usize));
+    let paint = |i: usize, j: usize| {
+        let (i, j) = (i / fine, j / fine);
+        let chance = unit((i + 4096 * j) as u32, 74);
+        let from_axis = ((j as f32 + 0.5) / nz as f32 - 0.5).abs() * wide;
+        if from_axis < 1.1 && from_axis > 0.7 || (i % 6 == 0) != (from_axis > 3.3 && from_axis < 4.5) {
+            m.dark_tiles[(chance * 2.0) as usize]
+        } else {
+            m.tiles[(chance * 3.0) as usize]
+        }
+    };
+    b.mosaic([nx * fine, nz * fine], false, paint, |u, v| Vec3::new(long * u - HALF, 0.0, wide * (0.5 - v)));
+}
+
+fn pews(b: &mut Builder, m: &Palette) {
+    b.paint(m.wood);
+    for row in 0..12 {
+        let x = -8.6 + 1.3 * row as f32;
+        for z in [-3.2, 1.2] {
+            b.at(moved(x, 0.0, z), |b| furniture::pew(b, 2.0));
+        }
+    }
+}
+
+/// Steps, a carpet, and the altar with candles and a cross.
+fn altar(b: &mut Builder, m: &Palette) {
+    b.paint(m.marble);
+    for (k, x) in [-3.4, -3.0, -2.6].into_iter().enumerate() {
+        let (z, y) = (3.0 - 0.25 * k as f32, 0.16 * k as f32);
+        b.cuboid(Vec3::new(x, y - 0.02, -z), Vec3::new(1.6 - 0.1 * k as f32, y + 0.16, z));
+    }
+    b.paint(m.carpet);
+    let cells = [b.steps(1.0, 1), b.steps(24.0, 1)];
+    b.quad(cells, Vec3::new(-3.42, 0.012, -0.55), Vec3::Z * 1.1, Vec3::NEG_X * 22.0);
+    b.at(moved(0.2, 0.48, 0.0), |b| {
+        furniture::altar(b, m.marble, m.linen, m.gold);
+        for z in [-1.25, -0.9, -0.55, 0.55, 0.9, 1.25] {
+            b.at(moved(0.2, 1.11, z), |b| furniture::candlestick(b, m.gold, m.wax, m.flame));
+        }
+        b.at(moved(0.25, 1.11, 0.0), |b| furniture::cross(b, m.gold));
+    });
+}

@@ -112,7 +112,7 @@ pub(super) fn plant(b: &mut Builder, pot: u32, soil: u32, leaf: u32, leaves: u32
         let root = Vec3::Y * (0.28 * size) + out * (0.05 * size * random(4));
         // Rises, arches over, and droops; a fold along the middle.
         b.patch(cells, true, |u, v| {
-            let blade = width * (PI * (0.06 + 0.94 * v)).sin().max(0.0).powf(0.7);
+            let blade = width * (PI * (0.06 + 0.92 * v)).sin().max(0.0).powf(0.7);
             let side = 2.0 * u - 1.0;
             let spine = root + out * (reach * v * v) + Vec3::Y * (rise * (v - 0.45 * v * v * v));
             spine + across * (side * blade) + Vec3::Y * (0.35 * blade * side.abs())

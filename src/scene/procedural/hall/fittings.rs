@@ -16,7 +16,7 @@ fn v(x: f32, y: f32, z: f32) -> Vec3 {
 pub(super) fn curtains(b: &mut Builder, paints: &Paints) {
     b.part("curtains");
     b.paint(paints.velvet);
-    let cells = [b.steps(110.0, 16), b.steps(24.0, 3)];
+    let cells = [b.steps(110.0, 66), b.steps(24.0, 3)];
     for side in [-1.0, 1.0] {
         b.patch(cells, true, |u, t| {
             // Folds are shallow at the rail and deep at the hem.

@@ -59,8 +59,8 @@ pub(super) fn office(detail: f32) -> Scene {
     }
     bulbs.push(floor_lamp(&mut b, &paints));
     b.part("plants");
-    b.at(set(-2.65, 0.0, 1.45, 0.0), |b| plant(b, paints.clay, paints.dark, paints.leaf, 56, 1.15, 1));
-    b.at(set(2.85, 0.0, -0.9, 0.0), |b| plant(b, paints.white, paints.dark, paints.leaf, 40, 0.95, 5));
+    b.at(set(-2.65, 0.0, 1.45, 0.0), |b| plant(b, paints.clay, paints.dark, paints.leaf, 48, 1.15, 1));
+    b.at(set(2.85, 0.0, -0.9, 0.0), |b| plant(b, paints.white, paints.dark, paints.leaf, 34, 0.95, 5));
 
     let camera = CameraDescription {
         eye: Vec3::new(2.75, 1.62, 2.3),

@@ -56,7 +56,7 @@ fn fill(b: &mut Builder, paints: &Paints, shelf: u32, y: f32) {
     let mut x = -end;
     let mut i = 0;
     while x < stop {
-        let thick = ((0.022 + 0.03 * random(i, 0)) / scale).min(end + 0.02 - x);
+        let thick = ((0.027 + 0.034 * random(i, 0)) / scale).min(end + 0.02 - x);
         let size = v(thick, 0.20 + 0.11 * random(i, 1), 0.15 + 0.06 * random(i, 2));
         let paint = paints.books[(random(i, 3) * 6.0) as usize];
         b.at(set(x, y - 0.001, 0.265 - 0.02 * random(i, 4) - size.z, 0.0), |b| book(b, paints, size, paint));

@@ -157,6 +157,11 @@ impl Builder {
         }
     }
 
+    /// Number of triangles so far.
+    pub(super) fn len(&self) -> usize {
+        self.mesh.len()
+    }
+
     /// The finished scene.
     pub(super) fn finish(
         mut self,

@@ -59,16 +59,19 @@ pub(super) fn stacking_chair(b: &mut Builder, wood: u32, cushion: u32, steel: u3
             |_| 0.012,
             |t| Vec3::new(side * (0.23 - 0.05 * t), 0.80 * t, -0.30 + 0.379 * t - 0.301 * t * t),
         );
-        // Front leg, bent under the seat towards the back.
+        // Front leg, bent under the seat towards the back: a cubic Bezier curve.
+        let bend = [(0.225, 0.0, 0.24), (0.20, 0.50, 0.17), (0.195, 0.41, 0.10), (0.195, 0.41, -0.19)]
+            .map(|(x, y, z)| Vec3::new(side * x, y, z));
         b.tube(
             tube,
             Vec3::X,
             |_| 0.012,
             |t| {
-                let run = (1.5 * t - 0.9).max(0.0);
-                let rise = (1.6 * t).min(1.0);
-                let rise = 1.0 - (1.0 - rise) * (1.0 - 0.15 * rise);
-                Vec3::new(side * (0.225 - 0.03 * rise), 0.412 * rise, 0.24 - 0.07 * rise - 0.6 * run)
+                let s = 1.0 - t;
+                bend[0] * (s * s * s)
+                    + bend[1] * (3.0 * s * s * t)
+                    + bend[2] * (3.0 * s * t * t)
+                    + bend[3] * (t * t * t)
             },
         );
         for z in [0.24, -0.30] {

@@ -98,7 +98,7 @@ fn head(field: &mut Field) {
         // Muzzle pads, eyelids.
         add(at(v(0.026, -0.062, 0.205) * m), ball(0.036, 0.032, 0.032), Melt(0.025));
         add(at(EYE * m), Shape::Ellipsoid(Vec3::splat(EYE_RADIUS + 0.012)), Melt(0.02));
-        add(at((EYE + v(0.03, -0.002, 0.012)) * m), Shape::Ellipsoid(Vec3::splat(0.033)), Carve(0.026));
+        add(at((EYE + v(0.03, -0.002, 0.012)) * m), Shape::Ellipsoid(Vec3::splat(0.033)), Carve(0.016));
         ear(&mut add, side);
     }
     add(at(v(0.0, -0.03, 0.232)), ball(0.026, 0.018, 0.016), Melt(0.012));

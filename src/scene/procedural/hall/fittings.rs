@@ -57,7 +57,7 @@ pub(super) fn panel_table(b: &mut Builder, paints: &Paints) {
     });
     for (x, seed) in [(-5.9, 3), (6.05, 8)] {
         b.at(set(x, STAGE[1], -9.9, 0.0), |b| {
-            plant(b, paints.brass, paints.walnut, paints.leaf, 46, 1.25, seed)
+            plant(b, paints.brass, paints.walnut, paints.leaf, 46, 1.25, seed);
         });
     }
 }
@@ -109,7 +109,7 @@ pub(super) fn lectern(b: &mut Builder, paints: &Paints) {
         b.at(upright, |b| {
             b.turned([b.steps(28.0, 8), b.steps(4.0, 2)], |t| {
                 Vec2::new(0.11 * (1.0 - t), 0.012 + 0.012 * (1.0 - (1.0 - t).powi(4)))
-            })
+            });
         });
         b.paint(paints.steel);
         for side in [-1.0, 1.0] {

@@ -44,7 +44,7 @@ pub(super) fn office(detail: f32) -> Scene {
             b.at(set(slide, 0.0, 0.72, twist), |b| {
                 swivel_chair(
                     b,
-                    if i % 2 == 0 { paints.teal } else { paints.rust },
+                    if i.is_multiple_of(2) { paints.teal } else { paints.rust },
                     paints.dark,
                     paints.steel,
                 );
@@ -53,7 +53,7 @@ pub(super) fn office(detail: f32) -> Scene {
         if i == 1 || i == 2 {
             let lamp = place * set(-0.62, desk::TOP, -0.1, 70.0);
             b.at(lamp, |b| {
-                bulbs.push(lamp.transform_point3(desk_lamp(b, paints.yellow, paints.steel, paints.glow)))
+                bulbs.push(lamp.transform_point3(desk_lamp(b, paints.yellow, paints.steel, paints.glow)));
             });
         }
     }
@@ -134,7 +134,7 @@ impl Paints {
     }
 }
 
-/// A floor lamp in the corner by the window; returns where its bulb shines from, just over the rim of the shade.
+/// A floor lamp in the corner by the window; returns where its bulb shines from, beside the pole.
 fn floor_lamp(b: &mut Builder, paints: &Paints) -> Vec3 {
     b.part("floor lamp");
     let place = Vec3::new(-2.75, 0.0, -1.55);
@@ -149,7 +149,7 @@ fn floor_lamp(b: &mut Builder, paints: &Paints) -> Vec3 {
         b.paint(paints.glow);
         b.ball(b.steps(14.0, 5), Vec3::Y * 1.56, Vec3::splat(0.045));
     });
-    place + Vec3::Y * 1.49
+    place + Vec3::new(0.06, 1.49, 0.05)
 }
 
 /// The sun outside the window, four ceiling panels, three lamps.

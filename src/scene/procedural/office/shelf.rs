@@ -63,11 +63,13 @@ fn fill(b: &mut Builder, paints: &Paints, shelf: u32, y: f32) {
         x += thick + 0.0015;
         i += 1;
     }
-    let lean = Affine3A::from_rotation_translation(Quat::from_rotation_z(0.22), v(x + 0.055, y, 0.08));
-    b.at(lean, |b| book(b, paints, v(0.03, 0.24, 0.17), paints.books[(shelf % 6) as usize]));
+    if x + 0.13 < end {
+        let lean = Affine3A::from_rotation_translation(Quat::from_rotation_z(0.22), v(x + 0.055, y, 0.08));
+        b.at(lean, |b| book(b, paints, v(0.03, 0.24, 0.17), paints.books[(shelf % 6) as usize]));
+    }
     if shelf % 4 == 1 {
         b.at(set(x + 0.24, y - 0.001, 0.17, 0.0), |b| {
-            vase(b, if shelf % 8 == 1 { paints.teal } else { paints.clay })
+            vase(b, if shelf % 8 == 1 { paints.teal } else { paints.clay });
         });
     }
 }

@@ -43,7 +43,7 @@ pub(super) fn statue(detail: f32) -> Scene {
     plinth(&mut b, slate, brass);
     b.part("backdrop");
     b.paint(backdrop);
-    b.patch([b.steps(6.0, 2), b.steps(28.0, 10)], true, |u, v| studio(u, v));
+    b.patch([b.steps(6.0, 2), b.steps(28.0, 10)], true, studio);
 
     let camera = CameraDescription {
         eye: Vec3::new(1.6, 1.45, 2.35),

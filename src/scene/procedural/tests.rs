@@ -5,8 +5,14 @@ use crate::scene::TriangleMesh;
 use glam::Vec3;
 
 /// Triangles at detail 1, and lights.
-const STATED: &[(&str, usize, usize)] =
-    &[("atrium", 68_000, 8), ("nave", 75_000, 4), ("hairball", 1_000_000, 1)];
+const STATED: &[(&str, usize, usize)] = &[
+    ("atrium", 68_000, 8),
+    ("nave", 75_000, 4),
+    ("hairball", 1_000_000, 1),
+    ("office", 34_000, 8),
+    ("hall", 331_000, 6),
+    ("statue", 70_000, 3),
+];
 
 /// Every scene of this file at a detail that is coarse and one that is as stated.
 fn for_each(check: impl Fn(&str, Scene)) {

@@ -2,6 +2,7 @@
 
 mod agree; // every kernel against brute force
 mod cli; // the commands as users run them
+mod images;
 mod layering; // who may know whom
 mod scene_load; // readers, scene descriptions, names
 mod support; // oracles, meshes, random numbers

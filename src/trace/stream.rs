@@ -15,7 +15,7 @@ use super::Traversal;
 use crate::kernels::{Face, Hit, MISS, PACKET_RAYS, Ray};
 
 /// Cells along each slope, per sign.
-const CELLS: u32 = 4;
+const CELLS: u32 = 2;
 /// Keys: 6 faces, 2 signs of each slope, cells; and one for rays that hit nothing by definition.
 const KEYS: usize = (6 * 4 * CELLS * CELLS) as usize + 1;
 

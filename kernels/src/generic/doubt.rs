@@ -19,14 +19,14 @@ pub(crate) fn block_of<'a>(bvh: &BvhView<'a>, slot: u32) -> (&'a TriBlock, usize
 /// Decides whether the triangle in `slot` is a nearer hit than the one in `best`, which may be [`NO_SLOT`]. Returns
 /// its canonical depth if it is.
 ///
-/// The order of hits is that of (canonical depth, primitive id); depths from zero to `tfar`, both inclusive, count.
+/// The order of hits is that of (canonical depth, primitive id); depths from `tnear` to `tfar`, both inclusive, count.
 #[cold]
 #[inline(never)]
 pub(crate) fn nearer(
     bvh: &BvhView,
     frame: &Frame,
     d: [f32; 3],
-    tfar: f32,
+    [tnear, tfar]: [f32; 2],
     slot: u32,
     best: u32,
 ) -> Option<f64> {
@@ -41,7 +41,7 @@ pub(crate) fn nearer(
     }
     let d = wide(d);
     let t = Canonical::new(a, b, c).depth(d);
-    if !(t >= 0.0 && t <= f64::from(tfar)) {
+    if !(t >= f64::from(tnear) && t <= f64::from(tfar)) {
         return None;
     }
     if best != NO_SLOT {

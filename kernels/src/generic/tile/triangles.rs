@@ -272,7 +272,7 @@ fn settle<const ANY: bool>(
         let ray = sub * SUB + i;
         let direction = [packet.u[ray], packet.v[ray], 1.0];
         let best = state.slot[sub][i];
-        if let Some(t) = nearer(bvh, &state.frame, direction, packet.tfar[ray], slot, best) {
+        if let Some(t) = nearer(bvh, &state.frame, direction, [0.0, packet.tfar[ray]], slot, best) {
             decided = true;
             if ANY {
                 state.live[sub] &= !(1 << i);

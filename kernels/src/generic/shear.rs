@@ -1,0 +1,66 @@
+//! Rays against triangles without a common origin: vertices sheared along the ray.
+//!
+//! Vertices are sheared along the ray onto the plane of its frame's first two axes; there the edge functions are 2x2
+//! determinants (Woop, Benthin, Wald 2013), and the depth is the mean of the corners' depths weighted by them.
+//!
+//! # Error bounds
+//!
+//! With e = 2^-24: a sheared coordinate x is off by 3 e Mx, where Mx is at least the sum of magnitudes |x| + |z| of the
+//! vertex, and a determinant of sheared coordinates up to X and Y by 10 e (X My + Y Mx). `bound` is 16 e of that, and
+//! large enough where X or Y is lost in rounding. Where all three determinants have one sign beyond doubt, errors in
+//! the weights move the depth by at most 3 `bound` (z1 - z0) / |det| between the least and greatest corner depth, and
+//! rounding by 6 e times the greatest magnitude of those; 8 e is allowed.
+
+use super::leaf::TINY;
+use crate::{simd::Lanes, vector::F32};
+
+/// Pairs of a ray and a triangle, one per lane.
+pub(super) struct Sheared<S: Lanes<W>, const W: usize> {
+    /// Bit = the ray may pass through the triangle, at some depth that is not negative.
+    pub(super) maybe: u32,
+    /// Bit = it does beyond doubt, at a depth between `lo` and `hi`.
+    pub(super) sure: u32,
+    pub(super) lo: F32<S, W>,
+    pub(super) hi: F32<S, W>,
+}
+
+/// `corners` are relative to the rays' origins in their frame; `slopes` are those of the direction along the first two
+/// axes; hits farther than `far` along the third do not count.
+#[inline(always)]
+pub(super) fn sheared<S: Lanes<W>, const W: usize>(
+    s: S,
+    corners: &[[F32<S, W>; 3]; 3],
+    slopes: [F32<S, W>; 2],
+    far: F32<S, W>,
+) -> Sheared<S, W> {
+    let zero = F32::splat(s, 0.0);
+    let (mut xs, mut ys) = ([zero; 3], [zero; 3]);
+    let (mut most_x, mut most_y, mut size_x, mut size_y) = (zero, zero, zero, zero);
+    for i in 0..3 {
+        let [x, y, z] = corners[i];
+        xs[i] = x - slopes[0] * z;
+        ys[i] = y - slopes[1] * z;
+        most_x = most_x.max(x.abs() + z.abs());
+        most_y = most_y.max(y.abs() + z.abs());
+        size_x = size_x.max(xs[i].abs());
+        size_y = size_y.max(ys[i].abs());
+    }
+    let e0 = xs[1] * ys[2] - ys[1] * xs[2];
+    let e1 = xs[2] * ys[0] - ys[2] * xs[0];
+    let e2 = xs[0] * ys[1] - ys[0] * xs[1];
+    let ulp = F32::splat(s, f32::EPSILON);
+    let size_x = size_x + ulp * most_x;
+    let size_y = size_y + ulp * most_y;
+    let bound = F32::splat(s, 8.0) * ulp * (size_x * most_y + size_y * most_x) + F32::splat(s, TINY);
+    let (least, most) = (e0.min(e1).min(e2), e0.max(e1).max(e2));
+    let outside = least.lt(-bound) & bound.lt(most);
+    let [z0, z1, z2] = [corners[0][2], corners[1][2], corners[2][2]];
+    let (nearest, farthest) = (z0.min(z1).min(z2), z0.max(z1).max(z2));
+    let maybe = !(outside | farthest.lt(zero) | far.lt(nearest)).bits();
+
+    let inverse = F32::splat(s, 1.0) / (e0 + e1 + e2);
+    let depth = (e0 * z0 + e1 * z1 + e2 * z2) * inverse;
+    let weights = F32::splat(s, 3.0) * bound * (farthest - nearest) * inverse.abs();
+    let error = weights + F32::splat(s, 4.0) * ulp * nearest.abs().max(farthest.abs());
+    Sheared { maybe, sure: (bound.lt(least) | most.lt(-bound)).bits(), lo: depth - error, hi: depth + error }
+}

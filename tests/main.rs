@@ -2,6 +2,8 @@
 
 mod agree; // every kernel against brute force
 mod cli; // the commands as users run them
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+mod entries; // kernels without calls
 mod layering; // who may know whom
 mod scene_load; // readers, scene descriptions, names
 mod support; // oracles, meshes, random numbers

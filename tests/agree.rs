@@ -6,7 +6,7 @@ use irt::{
     bvh::{BuildPreset, Bvh},
     camera::Camera,
     kernels::{EMPTY_NODE, Face, Hit, Kernels, MISS, Ray, SUB, SUBS, TILE_RAYS, TileHits, TilePacket},
-    scene::{CameraDescription, TriangleMesh},
+    scene::{CameraDescription, TriangleMesh, procedural},
 };
 
 fn build(mesh: &TriangleMesh) -> Bvh {
@@ -264,4 +264,34 @@ fn an_empty_scene_is_missed_by_everything() {
     let bvh = build(&TriangleMesh::default());
     let packet = random_packet(&mut Random(8), Vec3::ZERO, 1.0);
     check_packet("empty", &TriangleMesh::default(), &bvh, &packet);
+}
+
+#[test]
+fn all_kernels_agree_on_the_built_in_scenes() {
+    let mut random = Random(21);
+    for name in procedural::NAMES {
+        let scene = procedural::build(name, 0.2).expect("a built-in scene");
+        let bvh = build(&scene.mesh);
+        let camera = Camera::new(&scene.camera, 512, 512);
+        let mut packets: Box<[TilePacket; 6]> = Box::new(std::array::from_fn(|_| TilePacket::new()));
+        let mut hits = 0;
+        for _ in 0..4 {
+            let at = [0, 1].map(|_| 16 * random.below(32) as u32);
+            let used = camera.rays(&kernels()[0], at, [16, 16], &mut packets);
+            for packet in &mut packets[..used] {
+                // Brute force looks at every triangle: a few rays of each sub-packet must do.
+                for active in &mut packet.active {
+                    *active &= 1 << random.below(16);
+                }
+                hits += check_packet(name, &scene.mesh, &bvh, packet);
+            }
+        }
+        // A packet of rays in all directions, from a light.
+        let mut packet = random_packet(&mut random, scene.camera.at, 1.0);
+        for active in &mut packet.active {
+            *active &= 1 << random.below(16);
+        }
+        hits += check_packet(name, &scene.mesh, &bvh, &packet);
+        assert!(hits > 20, "{name}: only {hits} rays hit");
+    }
 }

@@ -28,7 +28,8 @@ fn odd_rays(origin: [f32; 3]) -> Vec<Ray> {
     ]
     .map(ray)
     .into();
-    for (tnear, tfar) in [(nan, inf), (0.0, nan), (0.0, 0.0), (0.0, -1.0), (-1.0, inf), (2.0, 1.0), (-0.0, 1.5), (0.3, 0.9)]
+    for (tnear, tfar) in
+        [(nan, inf), (0.0, nan), (0.0, 0.0), (0.0, -1.0), (-1.0, inf), (2.0, 1.0), (-0.0, 1.5), (0.3, 0.9)]
     {
         rays.push(Ray { tnear, tfar, ..ray([1.0, 0.25, -0.5]) });
     }

@@ -21,9 +21,9 @@ pub fn passes(a: V, b: V, c: V, d: V) -> bool {
 
 /// Sign of det(p, q, d) = (p x q) . d, exact for all finite arguments: -1, 0 or 1.
 pub fn det_sign(p: V, q: V, d: V) -> i32 {
-    let [px, py, pz] = p.map(f64::from);
-    let [qx, qy, qz] = q.map(f64::from);
-    let [dx, dy, dz] = d.map(f64::from);
+    let [px, py, pz] = wide(p);
+    let [qx, qy, qz] = wide(q);
+    let [dx, dy, dz] = wide(d);
     // Products of two floats are exact in f64.
     let terms =
         [(py * qz, dx), (-(pz * qy), dx), (pz * qx, dy), (-(px * qz), dy), (px * qy, dz), (-(py * qx), dz)];
@@ -69,6 +69,12 @@ fn expansion_sign(terms: &[(f64, f64); 6]) -> i32 {
     0
 }
 
+/// The same numbers in f64.
+#[inline(always)]
+pub(crate) fn wide(v: V) -> [f64; 3] {
+    [f64::from(v[0]), f64::from(v[1]), f64::from(v[2])]
+}
+
 /// The plane and the edge functions of a triangle in f64, for canonical depth and barycentric coordinates.
 #[derive(Clone, Copy)]
 pub struct Canonical {
@@ -89,7 +95,7 @@ impl Canonical {
     /// Of a triangle relative to the ray's origin, its axes permuted so that the last one is the ray's dominant one.
     #[inline(always)]
     pub fn new(a: V, b: V, c: V) -> Canonical {
-        let (a, b, c) = (a.map(f64::from), b.map(f64::from), c.map(f64::from));
+        let (a, b, c) = (wide(a), wide(b), wide(c));
         let n = cross([b[0] - a[0], b[1] - a[1], b[2] - a[2]], [c[0] - a[0], c[1] - a[1], c[2] - a[2]]);
         let na = n[0] * a[0] + n[1] * a[1] + n[2] * a[2];
         let z0 = a[2].min(b[2]).min(c[2]);

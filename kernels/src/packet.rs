@@ -68,7 +68,7 @@ impl Face {
     /// The face of a direction, none of whose components is NaN.
     #[inline(always)]
     pub fn of(dir: [f32; 3]) -> Face {
-        let [x, y, z] = dir.map(f32::abs);
+        let [x, y, z] = [dir[0].abs(), dir[1].abs(), dir[2].abs()];
         let axis = if x >= y && x >= z {
             0
         } else if y >= z {

@@ -111,6 +111,6 @@ fn plain(kind: &str) -> DType {
 }
 
 fn write_header(out: &mut impl Write, dtype: DType, len: usize) -> io::Result<()> {
-    WriteOptions::<()>::new_header_only().dtype(dtype).shape(&[len as u64]).writer(out).write_header_only()?;
+    WriteOptions::new_header_only().dtype(dtype).shape(&[len as u64]).writer(out).write_header_only()?;
     Ok(())
 }

@@ -19,8 +19,10 @@ pub struct LightRays {
     pub u: Vec<f32>,
     /// Slopes from the light (positional lights).
     pub v: Vec<f32>,
-    /// Positional lights: depth just before the surface. Directional lights: depth just off the surface.
+    /// Depth of the surface (positional lights).
     pub limit: Vec<f32>,
+    /// How far the ray's end is moved off the surface along its normal (directional lights).
+    lift: f32,
     /// Face as seen from the light; 6 where the surface cannot be lit.
     pub face: Vec<u32>,
     /// 1 where the light may reach the surface, 0 where it cannot or is blocked.
@@ -37,14 +39,8 @@ impl LightRays {
 
     /// The ray from the surface of ray `i` towards a directional light that shines along `direction`.
     pub fn directional_ray(&self, surfaces: &Surfaces, i: usize, direction: Vec3) -> Ray {
-        let org = [surfaces.point[0][i], surfaces.point[1][i], surfaces.point[2][i]];
-        Ray {
-            org,
-            dir: (-direction).to_array(),
-            tnear: self.limit[i],
-            tfar: f32::INFINITY,
-            skip: surfaces.prim[i],
-        }
+        let org = [0, 1, 2].map(|k| surfaces.point[k][i] + surfaces.ng[k][i] * self.lift);
+        Ray { org, dir: (-direction).to_array(), tnear: 0.0, tfar: f32::INFINITY, skip: surfaces.prim[i] }
     }
 }
 
@@ -52,10 +48,10 @@ impl LightRays {
 ///
 /// # Why a surface does not shadow itself
 ///
-/// A hit point lies off its triangle's plane by at most `point_error` in each coordinate: the rounding of the
-/// coordinates involved, not an epsilon of scene size. Along a ray at the angle of n . d to the plane, that is a
-/// stretch of `point_error * |n| / |n . d|` (|.| the 1-norm), and the shadow ray stops, or starts, that far from the
-/// surface. Grazing light gets a longer stretch, at most half of the way.
+/// The triangle itself does not count for its own shadow rays. Its neighbours in the same plane do, and a hit point
+/// lies off that plane by at most `point_error` in each coordinate: the rounding of the coordinates involved, not an
+/// epsilon of scene size. So the ray ends at the point moved off the surface by `point_error * |n|` (|.| the 1-norm)
+/// along the normal, however grazing the light; the error of a ray from a light grows with its length.
 pub fn light_rays(
     kernels: &Kernels,
     table: &SurfaceTable,
@@ -70,7 +66,9 @@ pub fn light_rays(
             kernels.run(FromPoint { surfaces, position, error, rays });
         }
         Light::Directional { direction, .. } => {
-            kernels.run(FromDirection { surfaces, direction, error: table.point_error, rays });
+            // The 1-norm of a unit vector is at most the square root of three.
+            rays.lift = 1.75 * table.point_error;
+            kernels.run(FromDirection { surfaces, direction, rays });
         }
     }
 }
@@ -89,18 +87,21 @@ impl Kernel for FromPoint<'_> {
     fn run<S: Simd>(self, s: S) {
         let (surfaces, rays) = (self.surfaces, self.rays);
         let light = splat3::<S>(s, self.position);
-        let (one, half) = (F32::splat(s, 1.0), F32::splat(s, 0.5));
+        let one = F32::splat(s, 1.0);
+        let shorten = F32::splat(s, 1.0 - 2.0 * f32::EPSILON);
         for at in (0..surfaces.len()).step_by(16) {
             let point = load3(s, &surfaces.point, at);
             let ng = load3(s, &surfaces.ng, at);
             let d = [point[0] - light[0], point[1] - light[1], point[2] - light[2]];
             let toward = -dot(ng, d);
             let facing = hit_lanes(s, surfaces, at) & F32::splat(s, 0.0).lt(toward);
-            let (slopes, face) = slopes(s, d);
             let depth = d[0].abs().max(d[1].abs()).max(d[2].abs());
             let norm = ng[0].abs() + ng[1].abs() + ng[2].abs();
-            let stretch = (F32::splat(s, self.error) * norm / toward).min(half);
-            (depth * (one - stretch)).store_at(&mut rays.limit, at);
+            let lift = (F32::splat(s, self.error) + F32::splat(s, ROUNDING) * depth) * norm;
+            let d = [d[0] + ng[0] * lift, d[1] + ng[1] * lift, d[2] + ng[2] * lift];
+            let (slopes, face) = slopes(s, d);
+            let depth = d[0].abs().max(d[1].abs()).max(d[2].abs());
+            (depth * shorten).store_at(&mut rays.limit, at);
 
             // u and v are the slopes along the two axes after the dominant one.
             let axis = face.shr::<1>();
@@ -118,7 +119,6 @@ impl Kernel for FromPoint<'_> {
 struct FromDirection<'a> {
     surfaces: &'a Surfaces,
     direction: Vec3,
-    error: f32,
     rays: &'a mut LightRays,
 }
 
@@ -133,8 +133,6 @@ impl Kernel for FromDirection<'_> {
             let ng = load3(s, &surfaces.ng, at);
             let toward = -dot(ng, d);
             let facing = hit_lanes(s, surfaces, at) & F32::splat(s, 0.0).lt(toward);
-            let norm = ng[0].abs() + ng[1].abs() + ng[2].abs();
-            (F32::splat(s, self.error) * norm / toward).store_at(&mut rays.limit, at);
             facing.select(F32::splat(s, 1.0), F32::splat(s, 0.0)).store_at(&mut rays.visible, at);
         }
     }

@@ -154,7 +154,8 @@ fn fill(packet: &mut TilePacket, rays: &[Ray], members: &[u32]) {
 /// True if the rays of each group of 16 are neighbours, on average, and there are enough to gain anything.
 fn is_close(packet: &TilePacket, len: usize) -> bool {
     let extent = |slopes: &[f32]| {
-        let (min, max) = slopes.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
+        let (min, max) =
+            slopes.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
         max - min
     };
     let sum = |plane: &[f32; TILE_RAYS]| plane[..len].chunks(SUB).map(extent).sum::<f32>();

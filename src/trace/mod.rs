@@ -2,8 +2,10 @@
 
 mod batch;
 mod shadow;
+mod stream;
 
 pub use shadow::{NO_OCCLUDER, PointShadows, ShadowRays};
+pub use stream::RayStream;
 
 use crate::{
     bvh::Bvh,

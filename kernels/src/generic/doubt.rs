@@ -2,7 +2,7 @@
 
 use super::{Frame, leaf::triangle};
 use crate::{
-    exact::{Canonical, passes},
+    exact::{Canonical, passes, wide},
     node::{BvhView, TriBlock},
     packet::MISS,
 };
@@ -39,15 +39,15 @@ pub(crate) fn nearer(
     if !passes(a, b, c, d) {
         return None;
     }
-    let wide = d.map(f64::from);
-    let t = Canonical::new(a, b, c).depth(wide);
+    let d = wide(d);
+    let t = Canonical::new(a, b, c).depth(d);
     if !(t >= 0.0 && t <= f64::from(tfar)) {
         return None;
     }
     if best != NO_SLOT {
         let (block, lane) = block_of(bvh, best);
         let [a, b, c] = triangle(block, lane, frame);
-        let t_best = Canonical::new(a, b, c).depth(wide);
+        let t_best = Canonical::new(a, b, c).depth(d);
         if (t_best, block.prim[lane]) <= (t, prim) {
             return None;
         }

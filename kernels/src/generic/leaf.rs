@@ -133,8 +133,12 @@ pub(super) fn corners<S: Simd>(s: S, block: &TriBlock, frame: &Frame) -> [[F8<S>
 /// The corners of one triangle relative to the origin, in permuted axes: the same numbers as in [`Leaf::new`].
 #[inline(always)]
 pub(crate) fn triangle(block: &TriBlock, lane: usize, frame: &Frame) -> [[f32; 3]; 3] {
-    block.v.each_ref().map(|v| {
-        let relative = |k: usize| v[frame.axes[k]][lane] - frame.org[k];
-        [relative(0), relative(1), f32::from_bits(relative(2).to_bits() ^ frame.flip)]
-    })
+    let mut corners = [[0.0; 3]; 3];
+    for (corner, v) in corners.iter_mut().zip(&block.v) {
+        for k in 0..3 {
+            corner[k] = v[frame.axes[k]][lane] - frame.org[k];
+        }
+        corner[2] = f32::from_bits(corner[2].to_bits() ^ frame.flip);
+    }
+    corners
 }

@@ -32,6 +32,10 @@ impl Frame {
     #[inline(always)]
     pub(crate) fn new(org: [f32; 3], face: Face) -> Frame {
         let axes = face.axes();
-        Frame { org: axes.map(|axis| org[axis]), axes, flip: if face.negative { 0x8000_0000 } else { 0 } }
+        Frame {
+            org: [org[axes[0]], org[axes[1]], org[axes[2]]],
+            axes,
+            flip: if face.negative { 0x8000_0000 } else { 0 },
+        }
     }
 }

@@ -12,7 +12,7 @@ use super::{
     stack::Stack,
 };
 use crate::{
-    exact::{Canonical, passes},
+    exact::{Canonical, passes, wide},
     node::{BvhView, EMPTY_NODE, Node, NodeRef},
     packet::{Face, Hit, MISS, Ray},
     simd::Simd,
@@ -44,17 +44,19 @@ impl TravRay {
         let finite = ray.org.iter().chain(&ray.dir).all(|x| x.is_finite());
         let face = Face::of(ray.dir);
         let frame = Frame::new(ray.org, face);
-        let d = frame.axes.map(|axis| ray.dir[axis]);
-        let d = [d[0], d[1], f32::from_bits(d[2].to_bits() ^ frame.flip)];
+        let [iu, iv, iz] = frame.axes;
+        let d = [ray.dir[iu], ray.dir[iv], f32::from_bits(ray.dir[iz].to_bits() ^ frame.flip)];
         // Written so that NaN bounds fail.
         let tnear = if ray.tnear > 0.0 { ray.tnear } else { 0.0 };
         if !(finite && d[2] > 0.0 && tnear <= ray.tfar && !ray.tnear.is_nan()) {
             return None;
         }
-        let negative = ray.dir.map(|x| usize::from(x.is_sign_negative()));
+        let [x, y, z] = ray.dir;
+        let negative =
+            [x.is_sign_negative().into(), y.is_sign_negative().into(), z.is_sign_negative().into()];
         Some(TravRay {
             org: ray.org,
-            rdir: ray.dir.map(|x| 1.0 / x),
+            rdir: [1.0 / ray.dir[0], 1.0 / ray.dir[1], 1.0 / ray.dir[2]],
             negative,
             frame,
             d,
@@ -90,7 +92,7 @@ pub(crate) fn intersect<S: Simd>(s: S, bvh: &BvhView, ray: &Ray) -> Hit {
         return Hit::MISS;
     }
     let [a, b, c] = triangle(&bvh.blocks[best.slot as usize / 8], best.slot as usize % 8, &trav.frame);
-    let [t, u, v] = Canonical::new(a, b, c).hit(trav.d.map(f64::from));
+    let [t, u, v] = Canonical::new(a, b, c).hit(wide(trav.d));
     Hit { prim: best.prim, t, u, v }
 }
 
@@ -235,7 +237,7 @@ fn leaf<S: Simd>(s: S, bvh: &BvhView, ray: &TravRay, node: NodeRef, best: &mut B
         if sure >> lane & 1 == 0 && !passes(a, b, c, ray.d) {
             continue;
         }
-        let t = Canonical::new(a, b, c).depth(ray.d.map(f64::from));
+        let t = Canonical::new(a, b, c).depth(wide(ray.d));
         // At t = tfar the interval is closed; equal depths go to the lower primitive.
         if t >= f64::from(ray.tnear) && (t < best.t || (t == best.t && prim < best.prim)) {
             *best = Best { t, prim, slot: (block_index * 8 + lane) as u32, tfar: next_up(t) };

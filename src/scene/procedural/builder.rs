@@ -47,7 +47,7 @@ impl Builder {
     /// What follows is counted under this name.
     pub(super) fn part(&mut self, name: &str) {
         self.close_part();
-        self.mesh.parts.push(Part { name: name.into(), first: self.mesh.len() as u32, count: 0 });
+        self.mesh.parts.push(Part { name: name.into(), first: self.len() as u32, count: 0 });
     }
 
     /// What `build` adds is placed by `placement`, relative to the placement in force.
@@ -185,17 +185,32 @@ impl Builder {
         }
     }
 
-    /// Triangles that a collapsed edge (a pole, a tip) leaves without area are not added.
+    /// Triangles that a collapsed edge (a pole, a tip) leaves without area are not added. A normal that looks away
+    /// from the triangle's front, as it may where a coarse mesh cuts off a bend, is not used for this triangle.
     fn triangle(&mut self, corners: [u32; 3]) {
         let [a, b, c] = corners.map(|v| self.mesh.positions[v as usize]);
-        if (b - a).cross(c - a).length_squared() > 0.0 {
+        let face = (b - a).cross(c - a);
+        if face.length_squared() > 0.0 {
+            let corners = corners.map(|v| if self.looks_away(v, face) { self.creased(v) } else { v });
             self.mesh.triangles.push(corners);
             self.mesh.materials.push(self.material);
         }
     }
 
+    fn looks_away(&self, vertex: u32, face: Vec3) -> bool {
+        let normal = self.mesh.normals[vertex as usize];
+        normal != Vec3::ZERO && normal.dot(face) <= 0.0
+    }
+
+    /// The same vertex without a normal of its own.
+    fn creased(&mut self, vertex: u32) -> u32 {
+        self.mesh.positions.push(self.mesh.positions[vertex as usize]);
+        self.mesh.normals.push(Vec3::ZERO);
+        self.mesh.positions.len() as u32 - 1
+    }
+
     fn close_part(&mut self) {
-        let end = self.mesh.len() as u32;
+        let end = self.len() as u32;
         if let Some(part) = self.mesh.parts.last_mut() {
             part.count = end - part.first;
         }

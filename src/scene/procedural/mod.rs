@@ -5,10 +5,17 @@
 mod architecture;
 mod atrium;
 mod builder;
+mod furniture;
 mod garden;
 mod hairball;
+mod hall;
 mod hash;
 mod nave;
+mod office;
+#[cfg(test)]
+mod office_tests;
+mod shapes;
+mod statue;
 
 use super::Scene;
 use crate::error::{Error, Result};
@@ -32,6 +39,21 @@ const TABLE: &[Entry] = &[
         name: "nave",
         summary: "rib-vaulted church with side aisles: 75 thousand triangles, 4 lights",
         generator: nave::nave,
+    },
+    Entry {
+        name: "office",
+        summary: "office for four, sun through the blinds: 34 thousand triangles, 8 lights",
+        generator: office::office,
+    },
+    Entry {
+        name: "hall",
+        summary: "conference hall with 250 chairs before a stage: 331 thousand triangles, 6 lights",
+        generator: hall::hall,
+    },
+    Entry {
+        name: "statue",
+        summary: "porcelain rabbit, one smooth closed mesh: 70 thousand triangles, 3 lights",
+        generator: statue::statue,
     },
     Entry {
         name: "hairball",

@@ -6,15 +6,17 @@
 
 mod furniture;
 mod gothic;
+mod palette;
 
 use super::{
-    architecture::{Arch, arched_wall, bar, coursed_wall, facing, matt, moulding, moved, polished},
+    architecture::{Arch, arched_wall, bar, coursed_wall, facing, moulding, moved},
     builder::Builder,
     hash::unit,
 };
-use crate::scene::{CameraDescription, Falloff, Light, Material, Scene};
+use crate::scene::{CameraDescription, Falloff, Light, Scene};
 use glam::{Affine3A, Vec2, Vec3};
 use gothic::Window;
+use palette::Palette;
 use std::f32::consts::{FRAC_PI_2, PI};
 
 const BAYS: usize = 7;
@@ -47,65 +49,6 @@ const CLERESTORY: Window = Window { arch: Arch { half: 0.95, point: 2.0 }, sill:
 const AISLE_WINDOW: Window = Window { arch: Arch { half: 0.9, point: 2.0 }, sill: 1.7, springing: 3.7 };
 const APSE_WINDOW: Window = Window { arch: Arch { half: 0.55, point: 2.0 }, sill: 2.9, springing: 6.6 };
 
-/// Material numbers.
-struct Palette {
-    stone: u32,
-    carved: u32,
-    shaft: u32,
-    web: u32,
-    ashlar: [u32; 3],
-    tiles: [u32; 3],
-    dark_tiles: [u32; 2],
-    wood: u32,
-    marble: u32,
-    gold: u32,
-    iron: u32,
-    wax: u32,
-    flame: u32,
-    linen: u32,
-    carpet: u32,
-    glass: [u32; 7],
-}
-
-impl Palette {
-    fn new(b: &mut Builder) -> Palette {
-        let glowing = |name: &str, kd: [f32; 3], strength: f32| Material {
-            ke: Vec3::from(kd) * strength,
-            ..matt(name, kd)
-        };
-        let glass = [
-            [0.05, 0.14, 0.62],
-            [0.08, 0.22, 0.75],
-            [0.62, 0.05, 0.06],
-            [0.75, 0.10, 0.08],
-            [0.85, 0.58, 0.10],
-            [0.08, 0.42, 0.18],
-            [0.36, 0.10, 0.48],
-        ];
-        let ashlar = [[0.62, 0.57, 0.48], [0.57, 0.52, 0.44], [0.66, 0.61, 0.52]];
-        let tiles = [[0.50, 0.45, 0.38], [0.45, 0.40, 0.34], [0.54, 0.50, 0.43]];
-        let dark = [[0.20, 0.19, 0.19], [0.26, 0.15, 0.12]];
-        Palette {
-            stone: b.material(matt("stone", [0.64, 0.59, 0.50])),
-            carved: b.material(matt("carved stone", [0.72, 0.67, 0.57])),
-            shaft: b.material(polished("dark shaft", [0.36, 0.32, 0.30], 0.22, 40.0)),
-            web: b.material(matt("vault", [0.74, 0.70, 0.62])),
-            ashlar: ashlar.map(|kd| b.material(matt("ashlar", kd))),
-            tiles: tiles.map(|kd| b.material(polished("floor", kd, 0.12, 30.0))),
-            dark_tiles: dark.map(|kd| b.material(polished("dark floor", kd, 0.2, 40.0))),
-            wood: b.material(polished("oak", [0.26, 0.13, 0.06], 0.12, 24.0)),
-            marble: b.material(polished("marble", [0.78, 0.75, 0.70], 0.2, 50.0)),
-            gold: b.material(polished("gold", [0.72, 0.50, 0.14], 0.6, 40.0)),
-            iron: b.material(polished("iron", [0.06, 0.06, 0.06], 0.25, 24.0)),
-            wax: b.material(matt("wax", [0.85, 0.80, 0.66])),
-            flame: b.material(glowing("flame", [1.0, 0.72, 0.30], 1.2)),
-            linen: b.material(matt("linen", [0.80, 0.78, 0.72])),
-            carpet: b.material(matt("carpet", [0.42, 0.04, 0.05])),
-            glass: glass.map(|kd| b.material(glowing("glass", kd, 1.0))),
-        }
-    }
-}
-
 /// Makes the scene.
 pub(super) fn nave(detail: f32) -> Scene {
     let mut b = Builder::new(detail);
@@ -120,6 +63,8 @@ pub(super) fn nave(detail: f32) -> Scene {
     b.at(moved(HALF, 0.0, 0.0), |b| apse(b, &m));
     b.part("end walls");
     end_walls(&mut b, &m);
+    b.part("roofs");
+    roofs(&mut b, &m);
     b.part("floor");
     floor(&mut b, &m);
     b.part("pews");
@@ -137,7 +82,7 @@ pub(super) fn nave(detail: f32) -> Scene {
         up: Vec3::Y,
         fov_deg: 68.0,
     };
-    b.finish("nave", lights(), camera, Vec3::new(0.10, 0.115, 0.15), Vec3::new(0.72, 0.84, 1.0))
+    b.finish("nave", lights(), camera, Vec3::new(0.13, 0.135, 0.155), Vec3::new(0.72, 0.84, 1.0))
 }
 
 fn lights() -> Vec<Light> {
@@ -147,10 +92,10 @@ fn lights() -> Vec<Light> {
         falloff,
     };
     vec![
-        light(Vec3::new(-26.0, 62.0, 50.0), [2.3, 1.80, 1.15], Falloff::None),
+        light(Vec3::new(-24.0, 83.0, 40.0), [2.5, 1.95, 1.25], Falloff::None),
         light(Vec3::new(-11.0, 9.5, -1.5), [0.17, 0.20, 0.27], Falloff::None),
         light(Vec3::new(HALF - 1.6, 4.6, 0.0), [15.0, 9.5, 4.6], Falloff::InverseSquare),
-        light(Vec3::new(-3.0, 4.9, 0.0), [9.0, 6.4, 3.6], Falloff::InverseSquare),
+        light(Vec3::new(-2.5, 7.3, 0.3), [14.0, 10.0, 6.0], Falloff::InverseSquare),
     ]
 }
 
@@ -253,8 +198,11 @@ fn vault(b: &mut Builder, m: &Palette) {
 fn apse(b: &mut Builder, m: &Palette) {
     let angle = |u: f32| (PI * (u - 0.5)).sin_cos();
     let cells = [b.steps(36.0, 8), b.steps(14.0, 4)];
-    let ashlar =
-        |i: usize, j: usize| m.ashlar[(unit((i + j % 2) as u32 / 2 + 4096 * j as u32, 71) * 3.0) as usize];
+    // Stones keep their size, however fine the mesh.
+    let ashlar = |i: usize, j: usize| {
+        let (i, j) = (i * 36 / cells[0], j * 14 / cells[1]);
+        m.ashlar[(unit(((i + j % 2) / 2 + 4096 * j) as u32, 71) * m.ashlar.len() as f32) as usize]
+    };
     b.mosaic(cells, true, ashlar, |u, v| {
         let (sin, cos) = angle(u);
         Vec3::new(CLEAR * cos, SPRINGING * v, CLEAR * sin)
@@ -275,14 +223,14 @@ fn apse(b: &mut Builder, m: &Palette) {
                 Vec3::new(CLEAR * s, SPRINGING + VAULT.height(s) - 0.03, 0.0)
             });
             b.at(moved(CLEAR - 0.03, 0.0, 0.0), |b| {
-                gothic::colonnette(b, SPRINGING, 0.13, [m.carved, m.shaft])
+                gothic::colonnette(b, SPRINGING, 0.13, [m.carved, m.shaft]);
             });
         });
     }
-    for k in 0..5 {
+    for k in 0..5u32 {
         let turn = Affine3A::from_rotation_y(-PI * ((k as f32 + 0.5) / 5.0 - 0.5) * 0.9);
         b.at(turn * facing(3, Vec3::new(CLEAR - 0.08, 0.0, 0.0)), |b| {
-            gothic::stained_glass(b, APSE_WINDOW, &m.glass, 3 + (k as i32 - 2).unsigned_abs());
+            gothic::stained_glass(b, APSE_WINDOW, &m.glass, 3 + u32::abs_diff(k, 2));
             b.paint(m.carved);
             gothic::tracery(b, APSE_WINDOW);
         });
@@ -298,6 +246,30 @@ fn end_walls(b: &mut Builder, m: &Palette) {
     for z in [-out, CLEAR] {
         b.at(facing(3, Vec3::new(HALF, 0.0, z)), |b| {
             coursed_wall(b, Vec2::new(out - CLEAR, ARCADE), 9.0, &m.ashlar, 73);
+        });
+    }
+}
+
+/// The roof of the nave with its gables, and those of the aisles. Nobody sees them from within, but they keep the sun
+/// well away from the vaults.
+fn roofs(b: &mut Builder, m: &Palette) {
+    let (ends, out) = ([-HALF - 0.4, HALF + CLEAR + 0.4], PIERS + 0.4);
+    let (eaves, ridge) = (TOP - 0.02, TOP + 3.4);
+    let cells = [b.steps(12.0, 1), b.steps(2.0, 1)];
+    b.paint(m.lead);
+    for side in [-1.0, 1.0] {
+        for (foot, top, [low, high]) in
+            [(out, 0.0, [eaves, ridge]), (PIERS + AISLE + 0.9, PIERS, [ARCADE - 0.1, SPRINGING])]
+        {
+            b.patch(cells, false, |u, v| {
+                let x = 0.5 * (ends[0] + ends[1]) + side * (u - 0.5) * (ends[1] - ends[0]);
+                Vec3::new(x, low + (high - low) * v, side * (foot + (top - foot) * v))
+            });
+        }
+    }
+    for (x, turn) in [(ends[0], 1.0), (ends[1], -1.0)] {
+        b.patch([1, 1], false, |u, v| {
+            Vec3::new(x, eaves + (ridge - eaves) * v, turn * out * (2.0 * u - 1.0) * (1.0 - v))
         });
     }
 }

@@ -3,9 +3,9 @@
 use super::{Engine, RaySet, timer::Mode};
 use crate::{
     bvh::Bvh,
-    kernels::{Kernels, MISS, NodeRef, SUB, TILE_RAYS, TileHits},
+    kernels::{Hit, Kernels, MISS, NodeRef, SUB, TILE_RAYS, TileHits},
     study::bench::rays::{Kind, Stream},
-    trace::{KernelChoice, NO_OCCLUDER, PointShadows, Traversal},
+    trace::{KernelChoice, NO_OCCLUDER, PointShadows, RayStream, Traversal},
 };
 
 /// Rays in a unit of single rays.
@@ -21,7 +21,7 @@ pub(super) fn modes<'a>(bvh: &'a Bvh, kernels: Kernels, set: &'a RaySet) -> Vec<
     match set.kind() {
         Kind::Primary => modes.push(Box::new(Tiles(common))),
         Kind::Shadow => modes.push(Box::new(Streams(common))),
-        Kind::Mirror | Kind::Diffuse | Kind::CommonDirection => {}
+        Kind::Mirror | Kind::Diffuse | Kind::CommonDirection => modes.push(Box::new(Sorted(common))),
     }
     modes.push(Box::new(Single(common)));
     modes
@@ -125,6 +125,49 @@ impl Mode for Streams<'_> {
     }
 }
 
+/// Rays sorted by direction.
+struct Sorted<'a>(Common<'a>);
+
+impl Mode for Sorted<'_> {
+    fn engine(&self) -> Engine {
+        Engine::Irt
+    }
+
+    fn isa(&self) -> String {
+        self.0.isa()
+    }
+
+    fn kernel(&self) -> String {
+        "stream".into()
+    }
+
+    fn width(&self) -> usize {
+        1
+    }
+
+    fn units(&self) -> usize {
+        self.0.set.len().div_ceil(UNIT)
+    }
+
+    fn worker(&self) -> Box<dyn FnMut(usize) -> u64 + '_> {
+        let occlusion = self.0.set.kind().occlusion();
+        let mut stream = RayStream::default();
+        let mut hits = vec![Hit::MISS; UNIT];
+        let mut blocked = vec![false; UNIT];
+        Box::new(move |unit| {
+            let rays = self.0.set.rays().chunks(UNIT).nth(unit).unwrap_or_default();
+            if occlusion {
+                let blocked = &mut blocked[..rays.len()];
+                stream.occluded(&self.0.traversal, rays, blocked);
+                return blocked.iter().filter(|&&blocked| blocked).count() as u64;
+            }
+            let hits = &mut hits[..rays.len()];
+            stream.intersect(&self.0.traversal, rays, hits);
+            hits.iter().filter(|hit| hit.prim != MISS).count() as u64
+        })
+    }
+}
+
 /// One ray at a time.
 struct Single<'a>(Common<'a>);
 
@@ -151,7 +194,7 @@ impl Mode for Single<'_> {
 
     fn worker(&self) -> Box<dyn FnMut(usize) -> u64 + '_> {
         let occlusion = self.0.set.kind().occlusion();
-        let mut results = vec![crate::kernels::Hit::MISS; UNIT];
+        let mut results = vec![Hit::MISS; UNIT];
         Box::new(move |unit| {
             let rays = self.0.set.rays().chunks(UNIT).nth(unit).unwrap_or_default();
             if occlusion {

@@ -103,7 +103,7 @@ impl Palette {
         let framed = (0.6..1.2).contains(&inside) || (-0.6..0.0).contains(&inside);
         match () {
             _ if framed => pick(&self.border_tiles),
-            _ if inside > 0.0 && (i + j) % 2 == 0 => pick(&self.dark_tiles),
+            _ if inside > 0.0 && (i + j).is_multiple_of(2) => pick(&self.dark_tiles),
             _ => pick(&self.light_tiles),
         }
     }

@@ -16,8 +16,11 @@ pub(super) fn clustered_pier(b: &mut Builder, height: f32, core: f32, stone: u32
     let foot = core + 0.24;
     b.lathe(&[p(foot, -0.02), p(foot, 0.25), p(foot - 0.06, 0.33), p(foot - 0.2, 0.34)], around);
     b.lathe(&[p(core, 0.3), p(core, height - 0.2)], around);
-    let head = core + 0.22;
-    b.lathe(&[p(core, height - 0.24), p(head, height - 0.2), p(head, height), p(0.0, height)], around);
+    let head = core + 0.36;
+    b.lathe(
+        &[p(core + 0.16, height - 0.24), p(head, height - 0.14), p(head, height), p(0.0, height)],
+        around,
+    );
     for k in 0..8 {
         let turn = Affine3A::from_rotation_y((k as f32 + 0.5) * FRAC_PI_4);
         b.at(turn * moved(core, 0.3, 0.0), |b| colonnette(b, height - 0.5, 0.11, [stone, shaft]));
@@ -136,26 +139,31 @@ pub(super) fn tracery(b: &mut Builder, window: Window) {
 
 /// Leaded panes that fill `window` in the plane z = 0, each one of `glass`, by chance of its place.
 pub(super) fn stained_glass(b: &mut Builder, window: Window, glass: &[u32], seed: u32) {
+    /// Panes across the window, up to the springing, and along either arc, however fine the mesh.
+    const PANES: [usize; 3] = [8, 9, 5];
     let Window { arch, sill, springing } = window;
     let (across, up, arc) = (b.steps(4.0, 2), b.steps(9.0, 3), b.steps(5.0, 2));
     let pane = |i: usize, j: usize| {
-        // Alike on both sides of the middle, as windows are.
-        let chance = unit((i.min(2 * across - 1 - i) + 64 * j) as u32, 61 + seed);
+        let chance = unit((i + 64 * j) as u32, 61 + seed);
         glass[(chance * glass.len() as f32) as usize]
     };
-    b.mosaic([2 * across, up], false, pane, |u, v| {
+    // Alike on both sides of the middle, as windows are.
+    let below = |i: usize, j: usize| {
+        let i = i * PANES[0] / (2 * across);
+        pane(i.min(PANES[0] - 1 - i), j * PANES[1] / up)
+    };
+    b.mosaic([2 * across, up], false, below, |u, v| {
         Vec3::new(arch.half * (2.0 * u - 1.0), sill + (springing - sill) * v, 0.0)
     });
     for right in [false, true] {
-        b.mosaic(
-            [arc, across],
-            false,
-            |i, j| pane(i, j + up),
-            |u, v| {
-                let top = arch.arc(right, u, 0.0);
-                Vec3::new(top.x, springing + top.y * v, 0.0)
-            },
-        );
+        let above = |i: usize, j: usize| {
+            let i = if right { arc - 1 - i } else { i };
+            pane(i * PANES[2] / arc, PANES[1] + j * PANES[0] / (2 * across))
+        };
+        b.mosaic([arc, across], false, above, |u, v| {
+            let top = arch.arc(right, u, 0.0);
+            Vec3::new(top.x, springing + top.y * v, 0.0)
+        });
     }
 }
 

@@ -1,0 +1,81 @@
+//! The image is a function of scene, camera and size alone: one hash, whatever computes it.
+
+use irt::{
+    bvh::BuildPreset,
+    kernels::Isa,
+    render::{RenderOptions, render},
+    scene::{Scene, procedural},
+    schedule::{Control, Strategy},
+    tile::Order,
+    trace::KernelChoice,
+};
+
+const BASE: RenderOptions = RenderOptions {
+    isa: None,
+    kernel: KernelChoice::Tile,
+    threads: Some(1),
+    pin: false,
+    order: Order::Hilbert,
+    schedule: Strategy::Dynamic,
+    tile: 64,
+    // Not a multiple of packet or tile size.
+    size: [150, 101],
+    frames: 1,
+    build: BuildPreset::Fast,
+    seed: 0,
+};
+
+fn hash(scene: &Scene, options: &RenderOptions) -> String {
+    let rendered = render(scene, options, &Control::unattended()).expect("renders");
+    assert_eq!(rendered.nan, None, "{}", scene.name);
+    let frame = &rendered.frames[0];
+    assert_eq!(frame.rays.primary, 150 * 101);
+    assert!(frame.rays.shadow > 1000, "{}: {:?}", scene.name, frame.rays);
+    frame.image_sha256.clone()
+}
+
+fn scene(name: &str) -> Scene {
+    procedural::build(name, 0.3).expect("a built-in scene")
+}
+
+#[test]
+fn every_built_in_scene_has_one_image() {
+    for name in procedural::NAMES {
+        let scene = scene(name);
+        let want = hash(&scene, &BASE);
+        for isa in Isa::available() {
+            let tile = RenderOptions { isa: Some(isa), threads: Some(2), tile: 48, ..BASE };
+            assert_eq!(hash(&scene, &tile), want, "{name}, {isa}, tile kernel");
+            let single = RenderOptions { isa: Some(isa), kernel: KernelChoice::Single, ..BASE };
+            assert_eq!(hash(&scene, &single), want, "{name}, {isa}, single rays");
+        }
+    }
+}
+
+#[test]
+fn threads_order_tile_size_and_tree_do_not_change_the_image() {
+    let scene = scene("atrium");
+    let want = hash(&scene, &BASE);
+    for threads in [1, 2, 3, 7] {
+        for order in Order::ALL {
+            for tile in [1, 7, 16, 33, 64, 1024] {
+                // Tiles of one pixel are slow; once is enough.
+                if tile > 1 || threads == 3 {
+                    let options = RenderOptions { threads: Some(threads), order, tile, ..BASE };
+                    assert_eq!(hash(&scene, &options), want, "{threads} threads, {order}, tiles of {tile}");
+                }
+            }
+        }
+    }
+    for build in BuildPreset::ALL {
+        assert_eq!(hash(&scene, &RenderOptions { build, ..BASE }), want, "{build} tree");
+    }
+}
+
+#[test]
+fn another_camera_gives_another_image() {
+    let mut scene = scene("office");
+    let before = hash(&scene, &BASE);
+    scene.camera.fov_deg *= 1.01;
+    assert_ne!(hash(&scene, &BASE), before);
+}

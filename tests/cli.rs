@@ -1,6 +1,7 @@
 //! The commands as users run them: results, files, exit codes, and one sentence for each mistake.
 
 mod bench;
+mod trace;
 
 use assert_cmd::Command;
 use serde_json::Value;

@@ -181,7 +181,7 @@ pub(super) struct ScenesArgs {
 /// `irt bench`.
 #[derive(Args, Debug)]
 pub(super) struct BenchArgs {
-    /// Scenes as for render [default: all built-in ones]
+    /// Scenes as for render [default: atrium, nave, office, hall, statue]
     #[arg(value_name = "SCENE")]
     pub(super) scenes: Vec<String>,
     /// Kinds of rays

@@ -80,27 +80,49 @@ impl Executable {
         calls
     }
 
-    /// The function at an address; one that only jumps on through the offset table is what it jumps to.
+    /// The function at an address.
     fn named(&self, address: u64) -> Option<Target> {
         self.functions.get(&address).map(|function| Target::Named(function.name.clone()))
     }
 
     /// A call through the offset table, or through a register that was loaded from there.
     fn indirect(&self, before: &[Instruction], call: &Instruction) -> Option<Target> {
-        let slot = |i: &Instruction| {
-            let name = i.is_ip_rel_memory_operand().then(|| self.slots.get(&i.ip_rel_memory_address()))?;
-            name.map(|name| Target::Named(name.clone()))
-        };
-        if call.op0_kind() != OpKind::Register {
-            return slot(call);
+        match call.op0_kind() {
+            OpKind::Register => self.held(before, call.op0_register()),
+            _ => self.slot(call),
         }
-        let load = before.iter().rev().find(|i| writes(i, call.op0_register()))?;
-        match load.mnemonic() {
-            Mnemonic::Mov => slot(load),
-            Mnemonic::Lea if load.is_ip_rel_memory_operand() => self.named(load.ip_rel_memory_address()),
+    }
+
+    /// What the slot of the offset table that an instruction reads points to.
+    fn slot(&self, instruction: &Instruction) -> Option<Target> {
+        let address = instruction.is_ip_rel_memory_operand().then(|| instruction.ip_rel_memory_address())?;
+        self.slots.get(&address).map(|name| Target::Named(name.clone()))
+    }
+
+    /// The function whose address a register holds, by the last instruction before that writes it; followed through
+    /// copies to other registers and to the stack.
+    fn held(&self, before: &[Instruction], register: Register) -> Option<Target> {
+        let at = before.iter().rposition(|i| writes(i, register))?;
+        let (before, load) = (&before[..at], &before[at]);
+        match (load.mnemonic(), load.op1_kind()) {
+            (Mnemonic::Lea, _) if load.is_ip_rel_memory_operand() => self.named(load.ip_rel_memory_address()),
+            (Mnemonic::Mov, OpKind::Register) => self.held(before, load.op1_register()),
+            (Mnemonic::Mov, OpKind::Memory) if load.memory_base() == Register::RSP => {
+                let at =
+                    before.iter().rposition(|i| i.op0_kind() == OpKind::Memory && same_place(i, load))?;
+                let stored = &before[at];
+                let plain = stored.mnemonic() == Mnemonic::Mov && stored.op1_kind() == OpKind::Register;
+                plain.then(|| self.held(&before[..at], stored.op1_register()))?
+            }
+            (Mnemonic::Mov, OpKind::Memory) => self.slot(load),
             _ => None,
         }
     }
+}
+
+fn same_place(a: &Instruction, b: &Instruction) -> bool {
+    let place = |i: &Instruction| (i.memory_base(), i.memory_index(), i.memory_displacement64());
+    place(a) == place(b)
 }
 
 /// `movsxd offset, [table + 4 * index]; add offset, table; jmp offset`: stays in the function.

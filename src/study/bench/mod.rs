@@ -139,7 +139,7 @@ pub fn bench(scene: &Scene, options: &BenchOptions, mut tell: impl FnMut(Kind)) 
     let mut rows = Vec::new();
     for &kind in &options.kinds {
         let set = RaySet::new(kind, scene, &seen);
-        if set.len() == 0 {
+        if set.is_empty() {
             continue;
         }
         tell(kind);

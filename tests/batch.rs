@@ -47,7 +47,13 @@ fn fan(random: &mut Random, count: usize) -> Vec<Ray> {
         // 600 rays side by side, then the next row; every 1500 rays another face.
         let (u, v) = ((i % 600) as f32 / 300.0 - 1.0, (i / 600 % 100) as f32 / 50.0 - 1.0);
         let dir = irt::kernels::Face::ALL[i / 1500 % 6].direction(u, v);
-        Ray { org: origin, dir, tnear: 0.0, tfar: if i.is_multiple_of(7) { 0.5 } else { f32::INFINITY }, skip: MISS }
+        Ray {
+            org: origin,
+            dir,
+            tnear: 0.0,
+            tfar: if i.is_multiple_of(7) { 0.5 } else { f32::INFINITY },
+            skip: MISS,
+        }
     };
     (0..count).map(ray).collect()
 }
@@ -108,9 +114,9 @@ fn random_and_odd_rays_give_what_single_rays_give() {
     }
 }
 
-/// `cargo test --release --test main -- --ignored ten_million` takes about a minute.
+/// `cargo test --release --test main -- --ignored ten_million` takes about a quarter of a minute.
 #[test]
-#[ignore = "takes a minute"]
+#[ignore = "takes a while"]
 fn ten_million_rays_give_what_single_rays_give() {
     let mesh = soup(27, 20_000, 0.05);
     let mut random = Random(28);

@@ -28,7 +28,7 @@ pub fn read_rays(path: &Path) -> Result<Vec<Ray>> {
     let length = file.metadata().map_err(|error| cannot(&error))?.len();
     let mut reader = BufReader::with_capacity(RAY * PART, file);
     let header = NpyHeader::from_reader(&mut reader)
-        .map_err(|error| Error::file(path, format!("is no array of NumPy ({error})"), REMEDY))?;
+        .map_err(|error| Error::file(path, format!("is no array of NumPy ({})", brief(&error)), REMEDY))?;
     let count = check(&header).map_err(|what| Error::file(path, what, REMEDY))?;
     // What the header says may be wrong: no more memory than the file could fill.
     let mut rays = Vec::with_capacity(count.min(length / RAY as u64) as usize);
@@ -48,6 +48,12 @@ pub fn read_rays(path: &Path) -> Result<Vec<Ray>> {
         Ok(_) => Err(Error::file(path, format!("goes on after its {count} rays"), "save it again")),
         Err(error) => Err(cannot(&error)),
     }
+}
+
+/// What is wrong with a header, without the excerpt of it on further lines.
+fn brief(error: &io::Error) -> String {
+    let text = error.to_string();
+    text.split([':', '\n']).next().unwrap_or_default().trim_end().to_string()
 }
 
 /// The number of rays, or what is wrong with the array.

@@ -55,7 +55,7 @@ fn trace_writes_hits_as_documented() {
     assert!(told.starts_with("6 rays, 1 hits, ") && told.contains("hits.npy"), "{told}");
     let (header, data) = split(&fs::read(folder.path().join("hits.npy")).unwrap());
     assert!(header.contains("('prim', '<u4'), ('t', '<f4'), ('u', '<f4'), ('v', '<f4')"), "{header}");
-    assert!(header.contains("'shape': (6,)") && header.contains("'fortran_order': False"), "{header}");
+    assert!(header.contains("'shape': (6,") && header.contains("'fortran_order': False"), "{header}");
     assert_eq!(data.len(), 6 * 16);
     let number = |at: usize| u32::from_le_bytes(data[at..at + 4].try_into().unwrap());
     assert_eq!([number(0), number(4)], [0, 2.0f32.to_bits()]);
@@ -68,7 +68,7 @@ fn trace_writes_hits_as_documented() {
     let line = "trace square.toml --rays rays.npy --hits blocked.npy --occluded --isa scalar -q";
     assert_eq!(folder.run(line), "");
     let (header, data) = split(&fs::read(folder.path().join("blocked.npy")).unwrap());
-    assert!(header.contains("'|u1'") && header.contains("'shape': (6,)"), "{header}");
+    assert!(header.contains("'|u1'") && header.contains("'shape': (6,"), "{header}");
     assert_eq!(data, [1, 0, 0, 0, 0, 0]);
 }
 
@@ -78,7 +78,7 @@ fn no_rays_give_no_hits() {
     fs::write(folder.path().join("rays.npy"), npy(&dictionary("'<f4'", "False", "0, 8"), &[])).unwrap();
     folder.run("trace square.toml --rays rays.npy --hits hits.npy");
     let (header, data) = split(&fs::read(folder.path().join("hits.npy")).unwrap());
-    assert!(header.contains("'shape': (0,)") && data.is_empty(), "{header}");
+    assert!(header.contains("'shape': (0,") && data.is_empty(), "{header}");
 }
 
 #[test]

@@ -5,7 +5,8 @@
 //! but one stay idle.
 
 use criterion::{
-    BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement::WallTime,
+    BenchmarkGroup, Criterion, SamplingMode, Throughput, criterion_group, criterion_main,
+    measurement::WallTime,
 };
 use irt::{
     bvh::{BuildPreset, Bvh},
@@ -178,6 +179,7 @@ fn kernels(criterion: &mut Criterion) {
         let traversal = Traversal::new(&setup.bvh, kernels, KernelChoice::Tile);
         let mut seen = see(&setup, &traversal);
         let mut group = criterion.benchmark_group(kernels.isa().name());
+        group.sampling_mode(SamplingMode::Flat);
         primary(&mut group, &setup, &traversal, &seen);
         shadow(&mut group, &setup, &traversal, &mut seen);
         group.finish();
@@ -188,8 +190,9 @@ criterion_group! {
     name = benches;
     config = Criterion::default()
         .sample_size(20)
-        .warm_up_time(Duration::from_millis(300))
-        .measurement_time(Duration::from_millis(800));
+        .nresamples(10_000)
+        .warm_up_time(Duration::from_millis(200))
+        .measurement_time(Duration::from_millis(600));
     targets = kernels
 }
 criterion_main!(benches);

@@ -2,10 +2,10 @@
 
 use crate::{
     arch::Scalar,
-    generic::{single, tile},
+    generic::{packet, single, tile},
     isa::Isa,
     node::{BvhView, NodeRef},
-    packet::{Hit, Ray, SUBS, TileHits, TilePacket},
+    packet::{Hit, PACKET_RAYS, Ray, SUBS, TileHits, TilePacket},
     simd::Kernel,
 };
 
@@ -13,6 +13,8 @@ type TileIntersect = unsafe fn(&BvhView, &TilePacket, &mut TileHits);
 type TileOccluded = unsafe fn(&BvhView, &TilePacket, &mut NodeRef, &mut [u16; SUBS]);
 type Intersect = unsafe fn(&BvhView, &Ray) -> Hit;
 type Occluded = unsafe fn(&BvhView, &Ray) -> bool;
+type PacketIntersect = unsafe fn(&BvhView, &[Ray], &mut [Hit]);
+type PacketOccluded = unsafe fn(&BvhView, &[Ray]) -> u32;
 
 /// The kernels of one instruction set, known to run on this machine.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +24,8 @@ pub struct Kernels {
     tile_occluded: TileOccluded,
     intersect: Intersect,
     occluded: Occluded,
+    packet_intersect: PacketIntersect,
+    packet_occluded: PacketOccluded,
 }
 
 impl Kernels {
@@ -90,6 +94,28 @@ impl Kernels {
         unsafe { (self.occluded)(bvh, ray) }
     }
 
+    /// First hits of at most [`PACKET_RAYS`] rays: quickest if they share face and signs and start close together.
+    ///
+    /// # Panics
+    /// If there are more rays than that, or not as many hits as rays.
+    #[inline]
+    pub fn packet_intersect(&self, bvh: &BvhView, rays: &[Ray], hits: &mut [Hit]) {
+        assert!(rays.len() <= PACKET_RAYS && rays.len() == hits.len(), "at most 16 rays, each with a hit");
+        // SAFETY: as in `tile_intersect`.
+        unsafe { (self.packet_intersect)(bvh, rays, hits) }
+    }
+
+    /// Which of at most [`PACKET_RAYS`] rays anything blocks: bit = ray.
+    ///
+    /// # Panics
+    /// If there are more rays than that.
+    #[inline]
+    pub fn packet_occluded(&self, bvh: &BvhView, rays: &[Ray]) -> u32 {
+        assert!(rays.len() <= PACKET_RAYS, "at most 16 rays");
+        // SAFETY: as in `tile_intersect`.
+        unsafe { (self.packet_occluded)(bvh, rays) }
+    }
+
     /// Runs a computation with this instruction set.
     #[inline]
     pub fn run<K: Kernel>(&self, kernel: K) -> K::Output {
@@ -116,7 +142,7 @@ macro_rules! entries {
             use super::*;
 
             pub(super) const TABLE: Kernels =
-                Kernels { isa: $isa, tile_intersect, tile_occluded, intersect, occluded };
+                Kernels { isa: $isa, tile_intersect, tile_occluded, intersect, occluded, packet_intersect, packet_occluded };
 
             $(#[target_feature(enable = $features)])?
             fn tile_intersect(bvh: &BvhView, packet: &TilePacket, hits: &mut TileHits) {
@@ -136,6 +162,16 @@ macro_rules! entries {
             $(#[target_feature(enable = $features)])?
             fn occluded(bvh: &BvhView, ray: &Ray) -> bool {
                 single::occluded($token, bvh, ray)
+            }
+
+            $(#[target_feature(enable = $features)])?
+            fn packet_intersect(bvh: &BvhView, rays: &[Ray], hits: &mut [Hit]) {
+                packet::intersect($token, bvh, rays, hits);
+            }
+
+            $(#[target_feature(enable = $features)])?
+            fn packet_occluded(bvh: &BvhView, rays: &[Ray]) -> u32 {
+                packet::occluded($token, bvh, rays)
             }
 
             /// Runs any computation with the features of this module.

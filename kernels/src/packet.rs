@@ -1,5 +1,7 @@
 //! Rays and hits, one by one and 256 at a time.
 
+/// Most rays of a packet of general rays.
+pub const PACKET_RAYS: usize = 16;
 /// Rays in a sub-packet.
 pub const SUB: usize = 16;
 /// Sub-packets in a tile packet.

@@ -105,6 +105,16 @@ impl<'a> Traversal<'a> {
         self.kernels.intersect(&self.view, ray)
     }
 
+    /// First hits of at most 16 rays that should fly about the same way.
+    pub fn intersect_rays(&self, rays: &[Ray], hits: &mut [Hit]) {
+        self.kernels.packet_intersect(&self.view, rays, hits);
+    }
+
+    /// Which of at most 16 rays, which should fly about the same way, are blocked: bit = ray.
+    pub fn occluded_rays(&self, rays: &[Ray]) -> u32 {
+        self.kernels.packet_occluded(&self.view, rays)
+    }
+
     /// True if a single ray is blocked.
     pub fn occluded_ray(&self, ray: &Ray) -> bool {
         self.kernels.occluded(&self.view, ray)

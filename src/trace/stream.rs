@@ -12,12 +12,15 @@
 //! How rays are grouped never changes what a ray hits.
 
 use super::Traversal;
-use crate::kernels::{Face, Hit, Ray};
+use crate::kernels::{Face, Hit, MISS, PACKET_RAYS, Ray};
 
 /// Cells along each slope, per sign.
 const CELLS: u32 = 4;
 /// Keys: 6 faces, 2 signs of each slope, cells; and one for rays that hit nothing by definition.
 const KEYS: usize = (6 * 4 * CELLS * CELLS) as usize + 1;
+
+/// Fills packets that are not full; never traced.
+const NO_RAY: Ray = Ray { org: [0.0; 3], dir: [0.0; 3], tnear: 0.0, tfar: 0.0, skip: MISS };
 
 /// Buffers for sorting streams, reused from stream to stream.
 #[derive(Clone, Debug)]
@@ -42,8 +45,17 @@ impl RayStream {
     pub fn intersect(&mut self, traversal: &Traversal, rays: &[Ray], hits: &mut [Hit]) {
         assert_eq!(rays.len(), hits.len(), "one hit for each ray");
         self.sort(rays);
-        for &i in &self.order {
-            hits[i as usize] = traversal.intersect_ray(&rays[i as usize]);
+        let mut packet = [NO_RAY; PACKET_RAYS];
+        let mut found = [Hit::MISS; PACKET_RAYS];
+        for (first, count) in self.packets() {
+            let order = &self.order[first..first + count];
+            for (ray, &i) in packet.iter_mut().zip(order) {
+                *ray = rays[i as usize];
+            }
+            traversal.intersect_rays(&packet[..count], &mut found[..count]);
+            for (hit, &i) in found.iter().zip(order) {
+                hits[i as usize] = *hit;
+            }
         }
     }
 
@@ -54,9 +66,33 @@ impl RayStream {
     pub fn occluded(&mut self, traversal: &Traversal, rays: &[Ray], blocked: &mut [bool]) {
         assert_eq!(rays.len(), blocked.len(), "one answer for each ray");
         self.sort(rays);
-        for &i in &self.order {
-            blocked[i as usize] = traversal.occluded_ray(&rays[i as usize]);
+        let mut packet = [NO_RAY; PACKET_RAYS];
+        for (first, count) in self.packets() {
+            let order = &self.order[first..first + count];
+            for (ray, &i) in packet.iter_mut().zip(order) {
+                *ray = rays[i as usize];
+            }
+            let bits = traversal.occluded_rays(&packet[..count]);
+            for (lane, &i) in order.iter().enumerate() {
+                blocked[i as usize] = bits >> lane & 1 != 0;
+            }
         }
+    }
+
+    /// Runs of sorted rays of one class: first and count.
+    fn packets(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let class = |at: usize| u32::from(self.keys[self.order[at] as usize]) / (CELLS * CELLS);
+        let mut first = 0;
+        std::iter::from_fn(move || {
+            let end = self.order.len().min(first + PACKET_RAYS);
+            (first < end).then(|| {
+                let start = first;
+                while first < end && class(first) == class(start) {
+                    first += 1;
+                }
+                (start, first - start)
+            })
+        })
     }
 
     /// Fills `order`: stable, by key.

@@ -6,6 +6,7 @@
 pub(crate) mod doubt;
 pub(crate) mod finish;
 pub(crate) mod leaf;
+pub(crate) mod packet;
 pub(crate) mod single;
 pub(crate) mod stack;
 pub(crate) mod tile;

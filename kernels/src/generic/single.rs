@@ -8,39 +8,42 @@
 
 use super::{
     F8, Frame,
+    doubt::block_of,
     leaf::{TINY, corners, triangle},
     stack::Stack,
 };
 use crate::{
     exact::{Canonical, passes, wide},
-    node::{BvhView, EMPTY_NODE, Node, NodeRef},
+    node::{BvhView, EMPTY_NODE, Node, NodeRef, TriBlock},
     packet::{Face, Hit, MISS, Ray},
-    simd::Simd,
+    simd::{Lanes, Simd},
+    vector::F32,
 };
 
 /// Rounding of a reciprocal, a product, and this factor itself, generously.
-const SHRINK: f32 = 1.0 - 4.0 * f32::EPSILON;
-const GROW: f32 = 1.0 + 4.0 * f32::EPSILON;
+pub(super) const SHRINK: f32 = 1.0 - 4.0 * f32::EPSILON;
+pub(super) const GROW: f32 = 1.0 + 4.0 * f32::EPSILON;
 
 /// A ray prepared for traversal.
-struct TravRay {
-    org: [f32; 3],
-    rdir: [f32; 3],
+#[derive(Clone, Copy)]
+pub(super) struct TravRay {
+    pub(super) org: [f32; 3],
+    pub(super) rdir: [f32; 3],
     /// 0 where the direction's component is positive, 1 where it is negative.
-    negative: [usize; 3],
-    frame: Frame,
+    pub(super) negative: [usize; 3],
+    pub(super) frame: Frame,
     /// Direction in the frame: the last component is the largest and positive.
-    d: [f32; 3],
+    pub(super) d: [f32; 3],
     /// Slopes of the direction in the frame, rounded.
-    shear: [f32; 2],
-    tnear: f32,
-    skip: u32,
+    pub(super) shear: [f32; 2],
+    pub(super) tnear: f32,
+    pub(super) skip: u32,
 }
 
 impl TravRay {
     /// `None` for a ray that hits nothing by definition.
     #[inline(always)]
-    fn new(ray: &Ray) -> Option<TravRay> {
+    pub(super) fn new(ray: &Ray) -> Option<TravRay> {
         let finite = ray.org.iter().chain(&ray.dir).all(|x| x.is_finite());
         let face = Face::of(ray.dir);
         let frame = Frame::new(ray.org, face);
@@ -68,12 +71,13 @@ impl TravRay {
 }
 
 /// The best hit so far.
-struct Best {
-    t: f64,
-    prim: u32,
+#[derive(Clone, Copy)]
+pub(super) struct Best {
+    pub(super) t: f64,
+    pub(super) prim: u32,
     slot: u32,
     /// At least `t`.
-    tfar: f32,
+    pub(super) tfar: f32,
 }
 
 #[derive(Clone, Copy)]
@@ -82,33 +86,55 @@ struct Entry {
     near: f32,
 }
 
+impl Best {
+    /// Nothing nearer than the end of the ray.
+    #[inline(always)]
+    pub(super) fn none(ray: &Ray) -> Best {
+        Best { t: f64::from(ray.tfar), prim: MISS, slot: 0, tfar: ray.tfar }
+    }
+
+    /// The hit by the canonical formula.
+    #[inline(always)]
+    pub(super) fn hit(&self, bvh: &BvhView, ray: &TravRay) -> Hit {
+        if self.prim == MISS {
+            return Hit::MISS;
+        }
+        let (block, lane) = block_of(bvh, self.slot);
+        let [a, b, c] = triangle(block, lane, &ray.frame);
+        let [t, u, v] = Canonical::new(a, b, c).hit(wide(ray.d));
+        Hit { prim: self.prim, t, u, v }
+    }
+}
+
 /// The first hit.
 #[inline(always)]
 pub(crate) fn intersect<S: Simd>(s: S, bvh: &BvhView, ray: &Ray) -> Hit {
     let Some(trav) = TravRay::new(ray) else { return Hit::MISS };
-    let mut best = Best { t: f64::from(ray.tfar), prim: MISS, slot: 0, tfar: ray.tfar };
-    traverse::<S, false>(s, bvh, &trav, &mut best);
-    if best.prim == MISS {
-        return Hit::MISS;
-    }
-    let [a, b, c] = triangle(&bvh.blocks[best.slot as usize / 8], best.slot as usize % 8, &trav.frame);
-    let [t, u, v] = Canonical::new(a, b, c).hit(wide(trav.d));
-    Hit { prim: best.prim, t, u, v }
+    let mut best = Best::none(ray);
+    traverse::<S, false>(s, bvh, &trav, &mut best, bvh.root);
+    best.hit(bvh, &trav)
 }
 
 /// True if anything is hit.
 #[inline(always)]
 pub(crate) fn occluded<S: Simd>(s: S, bvh: &BvhView, ray: &Ray) -> bool {
     let Some(trav) = TravRay::new(ray) else { return false };
-    let mut best = Best { t: f64::from(ray.tfar), prim: MISS, slot: 0, tfar: ray.tfar };
-    traverse::<S, true>(s, bvh, &trav, &mut best);
+    let mut best = Best::none(ray);
+    traverse::<S, true>(s, bvh, &trav, &mut best, bvh.root);
     best.prim != MISS
 }
 
+/// Looks for something better than `best` below `root`.
 #[inline(always)]
-fn traverse<S: Simd, const ANY: bool>(s: S, bvh: &BvhView, ray: &TravRay, best: &mut Best) {
+pub(super) fn traverse<S: Simd, const ANY: bool>(
+    s: S,
+    bvh: &BvhView,
+    ray: &TravRay,
+    best: &mut Best,
+    root: NodeRef,
+) {
     let mut stack = Stack::new();
-    let mut entry = Entry { node: bvh.root, near: ray.tnear };
+    let mut entry = Entry { node: root, near: ray.tnear };
     loop {
         if entry.node.is_leaf() {
             leaf::<S>(s, bvh, ray, entry.node, best);
@@ -186,24 +212,45 @@ fn children<S: Simd, const ANY: bool>(
 }
 
 /// Tests a run of triangles, lane = triangle.
+#[inline(always)]
+pub(super) fn leaf<S: Simd>(s: S, bvh: &BvhView, ray: &TravRay, node: NodeRef, best: &mut Best) {
+    let block_index = node.block();
+    let block = &bvh.blocks[block_index];
+    let corners = corners(s, block, &ray.frame);
+    let shear = [F8::splat(s, ray.shear[0]), F8::splat(s, ray.shear[1])];
+    let far = F8::splat(s, best.tfar * ray.d[2] * GROW);
+    let (maybe, sure) = sheared(s, corners, shear, far);
+    let mut left = maybe & node.lanes();
+    while left != 0 {
+        let lane = (left.trailing_zeros() & 7) as usize;
+        left &= left - 1;
+        consider(block, block_index, lane, sure >> lane & 1 != 0, ray, best);
+    }
+}
+
+/// Which rays and triangles may meet and which meet beyond doubt, as bits; lanes pair rays with triangles in any way.
+///
+/// `corners` are relative to the rays' origins in their frame, where `shear` is the slope of the direction along the
+/// first two axes; hits deeper than `far` along the third do not count.
 ///
 /// Vertices are sheared along the ray onto the plane of its first two axes; there the edge functions are 2x2
 /// determinants (Woop, Benthin, Wald 2013). With e = 2^-24, a sheared coordinate x is off by 3 e Mx, where Mx is at
 /// least the sum of magnitudes |x| + |z| of the vertex, and a determinant of sheared coordinates up to X and Y by
-/// 10 e (X My + Y Mx); the bound below is 16 e of that, and large enough where X or Y is lost in rounding. Lanes
-/// within it are decided exactly.
+/// 10 e (X My + Y Mx); the bound below is 16 e of that, and large enough where X or Y is lost in rounding.
 #[inline(always)]
-fn leaf<S: Simd>(s: S, bvh: &BvhView, ray: &TravRay, node: NodeRef, best: &mut Best) {
-    let block_index = node.block();
-    let block = &bvh.blocks[block_index];
-    let corners = corners(s, block, &ray.frame);
-    let zero = F8::splat(s, 0.0);
-    let (shear_x, shear_y) = (F8::splat(s, ray.shear[0]), F8::splat(s, ray.shear[1]));
+pub(super) fn sheared<S: Lanes<W>, const W: usize>(
+    s: S,
+    corners: [[F32<S, W>; 3]; 3],
+    shear: [F32<S, W>; 2],
+    far: F32<S, W>,
+) -> (u32, u32) {
+    let zero = F32::splat(s, 0.0);
     let (mut xs, mut ys) = ([zero; 3], [zero; 3]);
     let (mut most_x, mut most_y, mut size_x, mut size_y) = (zero, zero, zero, zero);
-    for (i, [x, y, z]) in corners.into_iter().enumerate() {
-        xs[i] = x - shear_x * z;
-        ys[i] = y - shear_y * z;
+    for i in 0..3 {
+        let [x, y, z] = corners[i];
+        xs[i] = x - shear[0] * z;
+        ys[i] = y - shear[1] * z;
         most_x = most_x.max(x.abs() + z.abs());
         most_y = most_y.max(y.abs() + z.abs());
         size_x = size_x.max(xs[i].abs());
@@ -212,36 +259,41 @@ fn leaf<S: Simd>(s: S, bvh: &BvhView, ray: &TravRay, node: NodeRef, best: &mut B
     let e0 = xs[1] * ys[2] - ys[1] * xs[2];
     let e1 = xs[2] * ys[0] - ys[2] * xs[0];
     let e2 = xs[0] * ys[1] - ys[0] * xs[1];
-    let ulp = F8::splat(s, f32::EPSILON);
+    let ulp = F32::splat(s, f32::EPSILON);
     let size_x = size_x + ulp * most_x;
     let size_y = size_y + ulp * most_y;
-    let bound = F8::splat(s, 8.0) * ulp * (size_x * most_y + size_y * most_x) + F8::splat(s, TINY);
+    let bound = F32::splat(s, 8.0) * ulp * (size_x * most_y + size_y * most_x) + F32::splat(s, TINY);
     let (least, most) = (e0.min(e1).min(e2), e0.max(e1).max(e2));
     let outside = least.lt(-bound) & bound.lt(most);
     let [z0, z1, z2] = [corners[0][2], corners[1][2], corners[2][2]];
     let behind = z0.max(z1).max(z2).lt(zero);
-    let beyond = F8::splat(s, best.tfar * ray.d[2] * GROW).lt(z0.min(z1).min(z2));
-    let mut left = !(outside | behind | beyond).bits() & node.lanes();
-    if left == 0 {
+    let beyond = far.lt(z0.min(z1).min(z2));
+    let maybe = !(outside | behind | beyond).bits();
+    (maybe, (bound.lt(least) | most.lt(-bound)).bits())
+}
+
+/// Takes triangle `lane` of a block for the best hit if it is; `sure` if the ray passes through it beyond doubt.
+#[inline(always)]
+pub(super) fn consider(
+    block: &TriBlock,
+    block_index: usize,
+    lane: usize,
+    sure: bool,
+    ray: &TravRay,
+    best: &mut Best,
+) {
+    let prim = block.prim[lane];
+    if prim == ray.skip {
         return;
     }
-    let sure = (bound.lt(least) | most.lt(-bound)).bits();
-    while left != 0 {
-        let lane = (left.trailing_zeros() & 7) as usize;
-        left &= left - 1;
-        let prim = block.prim[lane];
-        if prim == ray.skip {
-            continue;
-        }
-        let [a, b, c] = triangle(block, lane, &ray.frame);
-        if sure >> lane & 1 == 0 && !passes(a, b, c, ray.d) {
-            continue;
-        }
-        let t = Canonical::new(a, b, c).depth(wide(ray.d));
-        // At t = tfar the interval is closed; equal depths go to the lower primitive.
-        if t >= f64::from(ray.tnear) && (t < best.t || (t == best.t && prim < best.prim)) {
-            *best = Best { t, prim, slot: (block_index * 8 + lane) as u32, tfar: next_up(t) };
-        }
+    let [a, b, c] = triangle(block, lane, &ray.frame);
+    if !sure && !passes(a, b, c, ray.d) {
+        return;
+    }
+    let t = Canonical::new(a, b, c).depth(wide(ray.d));
+    // At t = tfar the interval is closed; equal depths go to the lower primitive.
+    if t >= f64::from(ray.tnear) && (t < best.t || (t == best.t && prim < best.prim)) {
+        *best = Best { t, prim, slot: (block_index * 8 + lane) as u32, tfar: next_up(t) };
     }
 }
 

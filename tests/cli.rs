@@ -1,5 +1,8 @@
 //! The commands as users run them: results, files, exit codes, and one sentence for each mistake.
 
+mod bench;
+mod trace;
+
 use assert_cmd::Command;
 use serde_json::Value;
 use std::fs;

@@ -1,7 +1,10 @@
 //! The one integration-test binary; a module per subject.
 
 mod agree; // every kernel against brute force
+mod batch; // many rays at once against single rays
 mod cli; // the commands as users run them
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+mod entries; // kernels without calls
 mod images;
 mod layering; // who may know whom
 mod scene_load; // readers, scene descriptions, names

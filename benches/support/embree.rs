@@ -200,10 +200,10 @@ impl Drop for Embree {
     fn drop(&mut self) {
         // SAFETY: the device is ours and no scene outlives it ('a of `scene`).
         unsafe {
-            if let Ok(release) = self.get::<unsafe extern "C" fn(Handle)>("rtcReleaseDevice") {
-                if !self.device.is_null() {
-                    release(self.device);
-                }
+            if let Ok(release) = self.get::<unsafe extern "C" fn(Handle)>("rtcReleaseDevice")
+                && !self.device.is_null()
+            {
+                release(self.device);
             }
         }
     }

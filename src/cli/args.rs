@@ -1,7 +1,14 @@
 //! What was typed. Values are checked one by one here; what they mean together is settled in `options`.
 
 use super::value::{IsaChoice, field_of_view, number, one_of, size, vector, whole};
-use crate::{bvh::BuildPreset, scene::procedural, schedule::Strategy, tile::Order, trace::KernelChoice};
+use crate::{
+    bvh::BuildPreset,
+    scene::procedural,
+    schedule::Strategy,
+    study::bench::{Engine, Kind},
+    tile::Order,
+    trace::KernelChoice,
+};
 use clap::{Args, Parser, Subcommand};
 use glam::Vec3;
 use std::path::PathBuf;
@@ -38,6 +45,10 @@ pub(super) enum Command {
     Inspect(InspectArgs),
     /// List the built-in and the described scenes
     Scenes(ScenesArgs),
+    /// Time traversal kernels side by side, on the same rays
+    Bench(BenchArgs),
+    /// Trace a file of arbitrary rays
+    Trace(TraceArgs),
 }
 
 /// `irt render`.
@@ -97,6 +108,24 @@ pub(super) struct ViewArgs {
     pub(super) light: Vec<Vec3>,
 }
 
+/// Where threads run.
+#[derive(Args, Clone, Copy, Debug)]
+pub(super) struct PinArgs {
+    /// Pin each worker to a core (the default)
+    #[arg(long, overrides_with = "no_pin")]
+    pin: bool,
+    /// Leave the workers to the operating system
+    #[arg(long, overrides_with = "pin")]
+    no_pin: bool,
+}
+
+impl PinArgs {
+    /// True unless pinning was declined.
+    pub(super) fn pin(self) -> bool {
+        !self.no_pin
+    }
+}
+
 /// How to compute; none of these changes the image.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Engine (none of these changes the image)")]
@@ -104,12 +133,8 @@ pub(super) struct EngineArgs {
     /// Worker threads [default: one per physical core]
     #[arg(long, value_name = "N", value_parser = whole(1..=1024usize), allow_negative_numbers = true)]
     pub(super) threads: Option<usize>,
-    /// Pin each worker to a core (the default)
-    #[arg(long, overrides_with = "no_pin")]
-    pub(super) pin: bool,
-    /// Leave the workers to the operating system
-    #[arg(long, overrides_with = "pin")]
-    pub(super) no_pin: bool,
+    #[command(flatten)]
+    pub(super) pin: PinArgs,
     /// Instruction set of the kernels; auto takes the widest of this machine
     #[arg(long, default_value = "auto", value_parser = one_of::<IsaChoice>())]
     pub(super) isa: IsaChoice,
@@ -151,6 +176,81 @@ pub(super) struct InspectArgs {
 pub(super) struct ScenesArgs {
     #[command(flatten)]
     pub(super) export: ExportArgs,
+}
+
+/// `irt bench`.
+#[derive(Args, Debug)]
+pub(super) struct BenchArgs {
+    /// Scenes as for render [default: atrium, nave, office, hall, statue]
+    #[arg(value_name = "SCENE")]
+    pub(super) scenes: Vec<String>,
+    /// Kinds of rays
+    #[arg(
+        long, value_name = "LIST", value_delimiter = ',', default_value = "primary,shadow,mirror,diffuse",
+        value_parser = one_of::<Kind>()
+    )]
+    pub(super) kinds: Vec<Kind>,
+    /// What traces them; embree needs a build with that feature
+    #[arg(
+        long, value_name = "LIST", value_delimiter = ',', default_value = "irt,obvhs",
+        value_parser = one_of::<Engine>()
+    )]
+    pub(super) engines: Vec<Engine>,
+    /// Instruction set of irt and Embree; auto takes the widest of this machine
+    #[arg(long, default_value = "auto", value_parser = one_of::<IsaChoice>())]
+    pub(super) isa: IsaChoice,
+    /// Timed rounds, of which the median is told
+    #[arg(
+        long, value_name = "N", default_value = "7",
+        value_parser = whole(1..=100_000u32), allow_negative_numbers = true
+    )]
+    pub(super) rounds: u32,
+    /// Threads that trace
+    #[arg(
+        long, value_name = "N", default_value = "1",
+        value_parser = whole(1..=1024usize), allow_negative_numbers = true
+    )]
+    pub(super) threads: usize,
+    #[command(flatten)]
+    pub(super) pin: PinArgs,
+    /// Width and height of the image whose rays are traced
+    #[arg(long, value_name = "WxH", default_value = "1024x1024", value_parser = size)]
+    pub(super) size: [u32; 2],
+    /// Time to spend on irt's tree
+    #[arg(long, default_value = BuildPreset::default().name(), value_parser = one_of::<BuildPreset>())]
+    pub(super) build: BuildPreset,
+    /// Show and export every kernel of every engine, not only its fastest; --verbose does so too
+    #[arg(long)]
+    pub(super) all_modes: bool,
+    #[command(flatten)]
+    pub(super) export: ExportArgs,
+}
+
+/// `irt trace`.
+#[derive(Args, Debug)]
+pub(super) struct TraceArgs {
+    /// A TOML scene, an OBJ file or the name of a built-in scene
+    pub(super) scene: String,
+    /// Rays: a .npy file, float32 of shape (N, 8): origin x y z, tnear, direction x y z, tfar
+    #[arg(long, value_name = "FILE")]
+    pub(super) rays: PathBuf,
+    /// Hits to write: a .npy file, a structured array of prim u32 (4294967295 = miss), t, u, v f32
+    #[arg(long, value_name = "FILE")]
+    pub(super) hits: PathBuf,
+    /// Ask only whether anything is hit: write one byte per ray, 1 = blocked
+    #[arg(long)]
+    pub(super) occluded: bool,
+    /// Threads that trace [default: one per physical core]
+    #[arg(long, value_name = "N", value_parser = whole(1..=1024usize), allow_negative_numbers = true)]
+    pub(super) threads: Option<usize>,
+    #[command(flatten)]
+    pub(super) pin: PinArgs,
+    /// Instruction set of the kernels; auto takes the widest of this machine
+    #[arg(long, default_value = "auto", value_parser = one_of::<IsaChoice>())]
+    pub(super) isa: IsaChoice,
+    /// Time to spend on the tree
+    #[arg(long, default_value = BuildPreset::default().name(), value_parser = one_of::<BuildPreset>())]
+    pub(super) build: BuildPreset,
 }
 
 /// Files that a printed table is also written to.

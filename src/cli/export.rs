@@ -6,6 +6,7 @@ use crate::{
     output::PendingFile,
     report::{Table, to_json},
 };
+use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
 
@@ -76,15 +77,28 @@ impl TableExports {
         Ok(TableExports { json, csv, markdown })
     }
 
+    /// True if standard output is taken.
+    pub(super) fn is_stdout(&self) -> bool {
+        self.json.is_stdout() || self.csv.is_stdout() || self.markdown.is_stdout()
+    }
+
     /// Writes the table to its targets, and to the terminal unless standard output is one of them.
     ///
     /// # Errors
     /// As [`Export::write`].
     pub(super) fn write(self, table: &Table) -> Result<()> {
-        let taken = self.json.is_stdout() || self.csv.is_stdout() || self.markdown.is_stdout();
-        self.json.write(|| to_json(table))?;
-        self.csv.write(|| Ok(table.to_csv()))?;
-        self.markdown.write(|| Ok(table.to_markdown()))?;
+        let taken = self.is_stdout();
+        self.write_files(table, table)?;
         if taken { Ok(()) } else { terminal::print(&table.to_terminal()) }
+    }
+
+    /// Writes the table to its targets, but `json` as JSON.
+    ///
+    /// # Errors
+    /// As [`Export::write`].
+    pub(super) fn write_files(self, json: &impl Serialize, table: &Table) -> Result<()> {
+        self.json.write(|| to_json(json))?;
+        self.csv.write(|| Ok(table.to_csv()))?;
+        self.markdown.write(|| Ok(table.to_markdown()))
     }
 }

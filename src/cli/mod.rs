@@ -7,6 +7,7 @@
 //! The only module that names clap, indicatif and ctrlc.
 
 mod args;
+mod bench;
 mod effects;
 mod export;
 mod inspect;
@@ -15,6 +16,7 @@ mod options;
 mod render;
 mod scenes;
 mod terminal;
+mod trace;
 mod usage;
 mod value;
 
@@ -44,6 +46,8 @@ fn run(command: &Command, talk: Talk) -> Result<()> {
         Command::Render(args) => render::run(args, talk),
         Command::Inspect(args) => inspect::run(args),
         Command::Scenes(args) => scenes::run(args),
+        Command::Bench(args) => bench::run(args, talk),
+        Command::Trace(args) => trace::run(args, talk),
     }
 }
 

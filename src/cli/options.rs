@@ -31,12 +31,24 @@ pub(super) fn check(args: &RenderArgs) -> Result<()> {
 /// # Errors
 /// [`Error::Flag`] if the tiles are too small for the size.
 pub(super) fn render_options(args: &RenderArgs, scene: &Scene) -> Result<RenderOptions> {
-    let EngineArgs { threads, no_pin, isa, kernel, order, schedule, tile, build, pin: _ } = args.engine;
+    let EngineArgs { threads, pin, isa, kernel, order, schedule, tile, build } = args.engine;
     let size = args.size.unwrap_or(scene.size);
     check_tiles(size, tile)?;
     let isa = isa.isa();
     let RenderArgs { frames, seed, .. } = *args;
-    Ok(RenderOptions { isa, kernel, threads, pin: !no_pin, order, schedule, tile, size, frames, build, seed })
+    Ok(RenderOptions {
+        isa,
+        kernel,
+        threads,
+        pin: pin.pin(),
+        order,
+        schedule,
+        tile,
+        size,
+        frames,
+        build,
+        seed,
+    })
 }
 
 fn check_tiles([width, height]: [u32; 2], tile: u32) -> Result<()> {

@@ -1,6 +1,13 @@
 //! Parsers of single values. Each failure reads on after the flag: "what is wrong; the remedy".
 
-use crate::{bvh::BuildPreset, kernels::Isa, schedule::Strategy, tile::Order, trace::KernelChoice};
+use crate::{
+    bvh::BuildPreset,
+    kernels::Isa,
+    schedule::Strategy,
+    study::bench::{Engine, Kind},
+    tile::Order,
+    trace::KernelChoice,
+};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use glam::Vec3;
 use std::{fmt::Display, ops::RangeInclusive, str::FromStr};
@@ -27,7 +34,7 @@ macro_rules! modes {
     )*};
 }
 
-modes!(BuildPreset, Isa, KernelChoice, Order, Strategy);
+modes!(BuildPreset, Engine, Isa, KernelChoice, Kind, Order, Strategy);
 
 /// What `--isa` takes.
 #[derive(Clone, Copy, Debug)]

@@ -1,12 +1,14 @@
-//! Image files. The format follows the extension; the file is opened before the work and replaced only when complete.
+//! Files of images and of traced rays. The format follows the extension; the file is opened before the work and replaced only when complete.
 
 mod atomic;
 mod exr;
 mod hdr;
+mod npy;
 mod pfm;
 mod png;
 
 pub use atomic::{PendingFile, discard_pending};
+pub use npy::{read_rays, write_blocked, write_hits};
 
 use crate::error::{Error, Result};
 use crate::film::Film;

@@ -1,5 +1,6 @@
 //! Tracing rays against a tree: the tree and the kernels behind `intersect` and `occluded`.
 
+mod batch;
 mod shadow;
 mod stream;
 

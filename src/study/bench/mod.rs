@@ -118,11 +118,20 @@ pub struct Row {
     pub agrees: bool,
 }
 
-/// Measures all kinds on one scene.
+/// Finds out early what [`bench`] would stumble over for every scene.
 ///
 /// # Errors
 /// [`Error::Flag`] for an engine or instruction set that this machine or build lacks.
-pub fn bench(scene: &Scene, options: &BenchOptions) -> Result<Vec<Row>> {
+pub fn check(options: &BenchOptions) -> Result<()> {
+    choose_kernels(options.isa)?;
+    peers::check(options)
+}
+
+/// Measures all kinds on one scene; `tell` hears of each kind before it is measured.
+///
+/// # Errors
+/// As [`check`], and [`Error::Failed`] if the tree cannot be built.
+pub fn bench(scene: &Scene, options: &BenchOptions, mut tell: impl FnMut(Kind)) -> Result<Vec<Row>> {
     let kernels = choose_kernels(options.isa)?;
     let bvh = Bvh::build(&scene.mesh, options.build)?;
     let peers = peers::Peers::new(scene, options)?;
@@ -130,9 +139,10 @@ pub fn bench(scene: &Scene, options: &BenchOptions) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     for &kind in &options.kinds {
         let set = RaySet::new(kind, scene, &seen);
-        if set.len() == 0 {
+        if set.is_empty() {
             continue;
         }
+        tell(kind);
         let mut modes = Vec::new();
         for engine in &options.engines {
             match engine {
@@ -193,6 +203,31 @@ fn measure(
             agrees: hits[i].abs_diff(reference) as f64 <= tolerance,
         })
         .collect()
+}
+
+/// The fastest mode of each engine for each scene and kind.
+pub fn best_rows(rows: &[Row]) -> Vec<Row> {
+    let mut best: Vec<&Row> = Vec::new();
+    for row in rows {
+        let rival = |other: &&mut &Row| {
+            (&other.scene, other.kind, other.engine) == (&row.scene, row.kind, row.engine)
+        };
+        match best.iter_mut().find(rival) {
+            None => best.push(row),
+            Some(other) if row.middle() > other.middle() => *other = row,
+            Some(_) => {}
+        }
+    }
+    best.into_iter().cloned().collect()
+}
+
+impl Row {
+    /// The middle of the rounds' figures, enough to compare modes by.
+    fn middle(&self) -> f64 {
+        let mut sorted = self.mrays_per_s.clone();
+        sorted.sort_by(f64::total_cmp);
+        sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
+    }
 }
 
 /// The error of a bench with rows that disagree.

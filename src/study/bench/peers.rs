@@ -10,6 +10,20 @@ use crate::{
 /// Rays in a unit of work.
 const UNIT: usize = 4096;
 
+/// Tells early whether an engine cannot be had.
+///
+/// # Errors
+/// As [`Peers::new`].
+pub(super) fn check(options: &BenchOptions) -> Result<()> {
+    if !options.engines.contains(&Engine::Embree) {
+        return Ok(());
+    }
+    #[cfg(feature = "embree")]
+    return embree::Embree::open("threads=1").map(drop).map_err(unavailable);
+    #[cfg(not(feature = "embree"))]
+    Err(unavailable("this irt was built without it".into()))
+}
+
 /// The trees of the engines asked for.
 pub(super) struct Peers {
     obvhs: Option<Baseline>,
@@ -32,11 +46,7 @@ impl Peers {
                 .map_err(unavailable)?,
         });
         #[cfg(not(feature = "embree"))]
-        if wants(Engine::Embree) {
-            Err(unavailable("this irt was built without it".into()))
-        } else {
-            Ok(Peers { obvhs })
-        }
+        check(options).map(|()| Peers { obvhs })
     }
 
     /// The modes of one engine for a set of rays.

@@ -1,0 +1,102 @@
+//! `irt bench`.
+
+use super::{
+    args::{BenchArgs, Talk},
+    export::TableExports,
+    interrupt, terminal,
+};
+use crate::{
+    error::Result,
+    report::{BenchRow, bench_summary, bench_table},
+    scene::load,
+    study::bench::{BenchOptions, Row, bench, best_rows, check, verdict},
+};
+
+/// Scenes unless others are named: those built in as counterparts of the thesis' five.
+const SCENES: [&str; 5] = ["atrium", "nave", "office", "hall", "statue"];
+
+/// Times traversal kernels side by side.
+///
+/// # Errors
+/// Whatever is wrong with the arguments, a scene or an export; [`crate::error::Error::Failed`] if engines disagree
+/// about what is hit, after the figures have been told.
+pub(super) fn run(args: &BenchArgs, talk: Talk) -> Result<()> {
+    let options = options(args);
+    check(&options)?;
+    interrupt::install()?;
+    let exports = TableExports::open(&args.export)?;
+    let rows = measure(args, &options, talk)?;
+
+    let shown = if args.all_modes || talk.verbose { rows.clone() } else { best_rows(&rows) };
+    let table = bench_table(&shown);
+    let summary = bench_summary(&rows, &options.engines);
+    let told = format!("{}\n{}", table.to_terminal(), summary.to_terminal());
+    let stdout_taken = exports.is_stdout();
+    exports.write_files(&shown.iter().map(BenchRow::from).collect::<Vec<_>>(), &table)?;
+    match (stdout_taken, talk.quiet) {
+        (false, _) => terminal::print(&told)?,
+        (true, false) => terminal::note(&told),
+        (true, true) => {}
+    }
+    verdict(&rows)
+}
+
+fn options(args: &BenchArgs) -> BenchOptions {
+    BenchOptions {
+        kinds: once_each(&args.kinds),
+        engines: once_each(&args.engines),
+        isa: args.isa.isa(),
+        rounds: args.rounds,
+        threads: args.threads,
+        pin: args.pin.pin(),
+        size: args.size,
+        build: args.build,
+    }
+}
+
+/// What is named twice is measured once.
+fn once_each<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
+    let mut once = Vec::new();
+    for item in list {
+        if !once.contains(item) {
+            once.push(*item);
+        }
+    }
+    once
+}
+
+fn measure(args: &BenchArgs, options: &BenchOptions, talk: Talk) -> Result<Vec<Row>> {
+    let scenes: Vec<&str> = if args.scenes.is_empty() {
+        SCENES.to_vec()
+    } else {
+        args.scenes.iter().map(String::as_str).collect()
+    };
+    let tell = |text: &str| {
+        if !talk.quiet {
+            terminal::note(&format!("irt: {text}\n"));
+        }
+    };
+    let mut rows = Vec::new();
+    for (index, spec) in once_each(&scenes).into_iter().enumerate() {
+        let scene = load(spec)?;
+        let place = format!("scene {} of {}, {}", index + 1, scenes.len(), scene.name);
+        scene.warnings.iter().for_each(|warning| log::warn!("{warning}"));
+        if scene.lights.is_empty() {
+            log::warn!("{} has no light, so that there are no shadow rays", scene.name);
+        }
+        tell(&format!("{place}: trees"));
+        rows.extend(bench(&scene, options, |kind| tell(&format!("{place}: {kind} rays")))?);
+    }
+    Ok(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SCENES;
+    use crate::scene::procedural;
+
+    #[test]
+    fn the_scenes_are_built_in() {
+        assert!(SCENES.iter().all(|scene| procedural::NAMES.contains(scene)));
+    }
+}

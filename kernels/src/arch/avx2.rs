@@ -17,7 +17,7 @@ impl Simd for Avx2 {
 
 lanes! { Avx2, 8, __m256, __m256i, __m256;
     splat(x: f32) -> __m256 = _mm256_set1_ps(x);
-    load(from: &[f32; 8]) -> __m256 = _mm256_loadu_ps(from.as_ptr());
+    load(from: &[f32; 8]) -> __m256 = core::mem::transmute::<[f32; 8], __m256>(*from);
     store(v: __m256, to: &mut [f32; 8]) = _mm256_storeu_ps(to.as_mut_ptr(), v);
     add(a: __m256, b: __m256) -> __m256 = _mm256_add_ps(a, b);
     sub(a: __m256, b: __m256) -> __m256 = _mm256_sub_ps(a, b);

@@ -14,7 +14,7 @@ impl Simd for Avx512 {
 
 lanes! { Avx512, 16, __m512, __m512i, __mmask16;
     splat(x: f32) -> __m512 = _mm512_set1_ps(x);
-    load(from: &[f32; 16]) -> __m512 = _mm512_loadu_ps(from.as_ptr());
+    load(from: &[f32; 16]) -> __m512 = core::mem::transmute::<[f32; 16], __m512>(*from);
     store(v: __m512, to: &mut [f32; 16]) = _mm512_storeu_ps(to.as_mut_ptr(), v);
     add(a: __m512, b: __m512) -> __m512 = _mm512_add_ps(a, b);
     sub(a: __m512, b: __m512) -> __m512 = _mm512_sub_ps(a, b);
@@ -52,7 +52,7 @@ lanes! { Avx512, 16, __m512, __m512i, __mmask16;
 
 lanes! { Avx512, 8, __m256, __m256i, __mmask8;
     splat(x: f32) -> __m256 = _mm256_set1_ps(x);
-    load(from: &[f32; 8]) -> __m256 = _mm256_loadu_ps(from.as_ptr());
+    load(from: &[f32; 8]) -> __m256 = core::mem::transmute::<[f32; 8], __m256>(*from);
     store(v: __m256, to: &mut [f32; 8]) = _mm256_storeu_ps(to.as_mut_ptr(), v);
     add(a: __m256, b: __m256) -> __m256 = _mm256_add_ps(a, b);
     sub(a: __m256, b: __m256) -> __m256 = _mm256_sub_ps(a, b);

@@ -17,7 +17,7 @@ impl Simd for Sse42 {
 
 lanes! { Sse42, 4, __m128, __m128i, __m128;
     splat(x: f32) -> __m128 = _mm_set1_ps(x);
-    load(from: &[f32; 4]) -> __m128 = _mm_loadu_ps(from.as_ptr());
+    load(from: &[f32; 4]) -> __m128 = core::mem::transmute::<[f32; 4], __m128>(*from);
     store(v: __m128, to: &mut [f32; 4]) = _mm_storeu_ps(to.as_mut_ptr(), v);
     add(a: __m128, b: __m128) -> __m128 = _mm_add_ps(a, b);
     sub(a: __m128, b: __m128) -> __m128 = _mm_sub_ps(a, b);

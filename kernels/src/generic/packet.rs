@@ -243,7 +243,7 @@ impl State {
     /// The best hit of one ray.
     #[inline(always)]
     fn best(&self, lane: usize) -> Best {
-        Best { lo: self.lo[lane], hi: self.hi[lane], slot: self.slot[lane] }
+        Best { lo: self.lo[lane], hi: self.hi[lane], reach: self.reach[lane], slot: self.slot[lane] }
     }
 
     /// Takes over what a ray has found alone.
@@ -443,13 +443,14 @@ fn triangle_test<S: Simd>(s: S, bvh: &BvhView, state: &mut State, node: NodeRef,
     if candidates == 0 {
         return;
     }
-    let farther = hi.lt(tests.lo).bits() & tests.sure;
-    let nearer = (tests.hi.lt(lo) & F16::load(s, &state.start).lt(tests.lo)).bits() & tests.sure & candidates;
+    let [least, most] = tests.depths(s, &corners);
+    let farther = hi.lt(least).bits() & tests.sure;
+    let nearer = (most.lt(lo) & F16::load(s, &state.start).lt(least)).bits() & tests.sure & candidates;
     let slot = (block_index * 8 + triangle) as u32;
     if nearer != 0 {
         let mask = Mask::from_bits(s, nearer);
-        mask.select(tests.lo, lo).store(&mut state.lo);
-        mask.select(tests.hi, hi).store(&mut state.hi);
+        mask.select(least, lo).store(&mut state.lo);
+        mask.select(most, hi).store(&mut state.hi);
         mask.iselect(I32::splat(s, slot), I32::load(s, &state.slot)).store(&mut state.slot);
     }
     let mut doubtful = candidates & !farther & !nearer;

@@ -18,10 +18,12 @@ use crate::{simd::Lanes, vector::F32};
 pub(super) struct Sheared<S: Lanes<W>, const W: usize> {
     /// Bit = the ray may pass through the triangle, at some depth that is not negative.
     pub(super) maybe: u32,
-    /// Bit = it does beyond doubt, at a depth between `lo` and `hi`.
+    /// Bit = it does beyond doubt.
     pub(super) sure: u32,
-    pub(super) lo: F32<S, W>,
-    pub(super) hi: F32<S, W>,
+    edges: [F32<S, W>; 3],
+    bound: F32<S, W>,
+    nearest: F32<S, W>,
+    farthest: F32<S, W>,
 }
 
 /// `corners` are relative to the rays' origins in their frame; `slopes` are those of the direction along the first two
@@ -58,9 +60,20 @@ pub(super) fn sheared<S: Lanes<W>, const W: usize>(
     let (nearest, farthest) = (z0.min(z1).min(z2), z0.max(z1).max(z2));
     let maybe = !(outside | farthest.lt(zero) | far.lt(nearest)).bits();
 
-    let inverse = F32::splat(s, 1.0) / (e0 + e1 + e2);
-    let depth = (e0 * z0 + e1 * z1 + e2 * z2) * inverse;
-    let weights = F32::splat(s, 3.0) * bound * (farthest - nearest) * inverse.abs();
-    let error = weights + F32::splat(s, 4.0) * ulp * nearest.abs().max(farthest.abs());
-    Sheared { maybe, sure: (bound.lt(least) | most.lt(-bound)).bits(), lo: depth - error, hi: depth + error }
+    let sure = (bound.lt(least) | most.lt(-bound)).bits();
+    Sheared { maybe, sure, edges: [e0, e1, e2], bound, nearest, farthest }
+}
+
+impl<S: Lanes<W>, const W: usize> Sheared<S, W> {
+    /// Encloses the depths of the sure lanes: least and greatest.
+    #[inline(always)]
+    pub(super) fn depths(&self, s: S, corners: &[[F32<S, W>; 3]; 3]) -> [F32<S, W>; 2] {
+        let [e0, e1, e2] = self.edges;
+        let inverse = F32::splat(s, 1.0) / (e0 + e1 + e2);
+        let depth = (e0 * corners[0][2] + e1 * corners[1][2] + e2 * corners[2][2]) * inverse;
+        let weights = F32::splat(s, 3.0) * self.bound * (self.farthest - self.nearest) * inverse.abs();
+        let size = self.nearest.abs().max(self.farthest.abs());
+        let error = weights + F32::splat(s, 4.0 * f32::EPSILON) * size;
+        [depth - error, depth + error]
+    }
 }

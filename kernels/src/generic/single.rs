@@ -79,6 +79,8 @@ pub(super) struct Best {
     /// Encloses the depth.
     pub(super) lo: f32,
     pub(super) hi: f32,
+    /// At least the ray parameter.
+    pub(super) reach: f32,
     /// [`NO_SLOT`] for none.
     pub(super) slot: u32,
 }
@@ -88,13 +90,12 @@ impl Best {
     #[inline(always)]
     pub(super) fn none(ray: &TravRay) -> Best {
         let far = ray.tfar * ray.d[2];
-        Best { lo: far * SHRINK, hi: far * GROW, slot: NO_SLOT }
+        Best { reach: ray.tfar, ..Best::at(far * SHRINK, far * GROW, NO_SLOT, ray) }
     }
 
-    /// At least the ray parameter of the hit.
     #[inline(always)]
-    pub(super) fn reach(&self, ray: &TravRay) -> f32 {
-        self.hi * ray.scale * GROW
+    fn at(lo: f32, hi: f32, slot: u32, ray: &TravRay) -> Best {
+        Best { lo, hi, reach: hi * ray.scale * GROW, slot }
     }
 
     /// The hit by the canonical formula.
@@ -153,7 +154,7 @@ pub(super) fn traverse<S: Simd, const ANY: bool>(
             }
         } else if entry.node != EMPTY_NODE {
             let node = &bvh.nodes[entry.node.index()];
-            if children::<S, ANY>(s, node, ray, best.reach(ray), &mut stack, &mut entry) {
+            if children::<S, ANY>(s, node, ray, best.reach, &mut stack, &mut entry) {
                 continue;
             }
         }
@@ -162,7 +163,7 @@ pub(super) fn traverse<S: Simd, const ANY: bool>(
                 None => return,
                 Some(next) => entry = next,
             }
-            if ANY || entry.near <= best.reach(ray) {
+            if ANY || entry.near <= best.reach {
                 break;
             }
         }
@@ -233,7 +234,8 @@ pub(super) fn leaf<S: Simd>(s: S, bvh: &BvhView, ray: &TravRay, node: NodeRef, b
     if left == 0 {
         return;
     }
-    let (lo, hi) = (tests.lo.to_array(), tests.hi.to_array());
+    let [lo, hi] = tests.depths(s, &corners);
+    let (lo, hi) = (lo.to_array(), hi.to_array());
     while left != 0 {
         let lane = (left.trailing_zeros() & 7) as usize;
         left &= left - 1;
@@ -253,12 +255,13 @@ pub(super) fn consider(bvh: &BvhView, slot: u32, depth: Option<(f32, f32)>, ray:
             return;
         }
         if hi < best.lo && lo > ray.tnear * ray.d[2] * GROW {
-            *best = Best { lo, hi, slot };
+            *best = Best::at(lo, hi, slot, ray);
             return;
         }
     }
     if let Some(t) = nearer(bvh, &ray.frame, ray.d, [ray.tnear, ray.tfar], slot, best.slot) {
         let depth = t * f64::from(ray.d[2]);
-        *best = Best { lo: (depth * (1.0 - 5.0e-7)) as f32, hi: (depth * (1.0 + 5.0e-7)) as f32, slot };
+        let (lo, hi) = ((depth * (1.0 - 5.0e-7)) as f32, (depth * (1.0 + 5.0e-7)) as f32);
+        *best = Best::at(lo, hi, slot, ray);
     }
 }

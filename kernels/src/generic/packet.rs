@@ -444,8 +444,11 @@ fn triangle_test<S: Simd>(s: S, bvh: &BvhView, state: &mut State, node: NodeRef,
         return;
     }
     let [least, most] = tests.depths(s, &corners);
-    let farther = hi.lt(least).bits() & tests.sure;
-    let nearer = (most.lt(lo) & F16::load(s, &state.start).lt(least)).bits() & tests.sure & candidates;
+    // `start` is rounded up; this much less, it is rounded down.
+    let start = F16::load(s, &state.start);
+    let before = most.lt(start * F16::splat(s, SHRINK * SHRINK));
+    let apart = (hi.lt(least) | before).bits() & tests.sure;
+    let nearer = (most.lt(lo) & start.lt(least)).bits() & tests.sure & candidates;
     let slot = (block_index * 8 + triangle) as u32;
     if nearer != 0 {
         let mask = Mask::from_bits(s, nearer);
@@ -453,7 +456,7 @@ fn triangle_test<S: Simd>(s: S, bvh: &BvhView, state: &mut State, node: NodeRef,
         mask.select(most, hi).store(&mut state.hi);
         mask.iselect(I32::splat(s, slot), I32::load(s, &state.slot)).store(&mut state.slot);
     }
-    let mut doubtful = candidates & !farther & !nearer;
+    let mut doubtful = candidates & !apart & !nearer;
     while doubtful != 0 {
         let lane = (doubtful.trailing_zeros() & 15) as usize;
         doubtful &= doubtful - 1;

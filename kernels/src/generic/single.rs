@@ -251,7 +251,8 @@ pub(super) fn leaf<S: Simd>(s: S, bvh: &BvhView, ray: &TravRay, node: NodeRef, b
 #[inline(always)]
 pub(super) fn consider(bvh: &BvhView, slot: u32, depth: Option<(f32, f32)>, ray: &TravRay, best: &mut Best) {
     if let Some((lo, hi)) = depth {
-        if lo > best.hi {
+        // The second case is common: the surface that a ray has just left lies across the line behind it.
+        if lo > best.hi || hi < ray.tnear * ray.d[2] * SHRINK {
             return;
         }
         if hi < best.lo && lo > ray.tnear * ray.d[2] * GROW {

@@ -85,7 +85,6 @@ pub struct Seen {
 
 #[derive(Clone, Copy, Debug)]
 struct Surface {
-    prim: u32,
     point: Vec3,
     /// Towards the viewer, unit length.
     normal: Vec3,
@@ -135,7 +134,7 @@ fn surface(scene: &Scene, packet: &TilePacket, hits: &TileHits, ray: usize) -> O
     let [a, b, c] = scene.mesh.corners(prim as usize);
     let normal = (b - a).as_dvec3().cross((c - a).as_dvec3()).normalize_or_zero().as_vec3();
     let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
-    Some(Surface { prim, point, normal, direction, distance: hits.t[ray] * direction.length() })
+    Some(Surface { point, normal, direction, distance: hits.t[ray] * direction.length() })
 }
 
 /// Rays of one kind, in the forms that engines take.
@@ -283,8 +282,7 @@ impl Stream {
         self.u.push(u);
         self.v.push(v);
         self.tfar.push(tfar);
-        // No ray reaches the surface that it ends on, but knowing it spares the filter a doubt.
-        self.skip.push(surface.map_or(MISS, |surface| surface.prim));
+        self.skip.push(MISS);
         self.face.push(face);
     }
 

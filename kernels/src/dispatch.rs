@@ -2,7 +2,7 @@
 
 use crate::{
     arch::Scalar,
-    generic::{packet, single, tile},
+    generic::{flight, flight::Flight, packet, single, tile},
     isa::Isa,
     node::{BvhView, NodeRef},
     packet::{Hit, PACKET_RAYS, Ray, SUBS, TileHits, TilePacket},
@@ -13,6 +13,8 @@ type TileIntersect = unsafe fn(&BvhView, &TilePacket, &mut TileHits);
 type TileOccluded = unsafe fn(&BvhView, &TilePacket, &mut NodeRef, &mut [u16; SUBS]);
 type Intersect = unsafe fn(&BvhView, &Ray) -> Hit;
 type Occluded = unsafe fn(&BvhView, &Ray) -> bool;
+type IntersectEach = unsafe fn(&BvhView, &mut Flight, &[Ray], &mut [Hit]);
+type OccludedEach = unsafe fn(&BvhView, &mut Flight, &[Ray], &mut [bool]);
 type PacketIntersect = unsafe fn(&BvhView, &[Ray], &mut [Hit]);
 type PacketOccluded = unsafe fn(&BvhView, &[Ray]) -> u32;
 
@@ -24,6 +26,8 @@ pub struct Kernels {
     tile_occluded: TileOccluded,
     intersect: Intersect,
     occluded: Occluded,
+    intersect_each: IntersectEach,
+    occluded_each: OccludedEach,
     packet_intersect: PacketIntersect,
     packet_occluded: PacketOccluded,
 }
@@ -94,6 +98,28 @@ impl Kernels {
         unsafe { (self.occluded)(bvh, ray) }
     }
 
+    /// First hits of rays that have nothing in common: several are on their way at once.
+    ///
+    /// # Panics
+    /// If there are not as many hits as rays.
+    #[inline]
+    pub fn intersect_each(&self, bvh: &BvhView, flight: &mut Flight, rays: &[Ray], hits: &mut [Hit]) {
+        assert_eq!(rays.len(), hits.len(), "one hit for each ray");
+        // SAFETY: as in `tile_intersect`.
+        unsafe { (self.intersect_each)(bvh, flight, rays, hits) }
+    }
+
+    /// Which of many rays that have nothing in common anything blocks.
+    ///
+    /// # Panics
+    /// If there are not as many answers as rays.
+    #[inline]
+    pub fn occluded_each(&self, bvh: &BvhView, flight: &mut Flight, rays: &[Ray], blocked: &mut [bool]) {
+        assert_eq!(rays.len(), blocked.len(), "one answer for each ray");
+        // SAFETY: as in `tile_intersect`.
+        unsafe { (self.occluded_each)(bvh, flight, rays, blocked) }
+    }
+
     /// First hits of at most [`PACKET_RAYS`] rays: quickest if they share face and signs and start close together.
     ///
     /// # Panics
@@ -142,7 +168,7 @@ macro_rules! entries {
             use super::*;
 
             pub(super) const TABLE: Kernels =
-                Kernels { isa: $isa, tile_intersect, tile_occluded, intersect, occluded, packet_intersect, packet_occluded };
+                Kernels { isa: $isa, tile_intersect, tile_occluded, intersect, occluded, intersect_each, occluded_each, packet_intersect, packet_occluded };
 
             $(#[target_feature(enable = $features)])?
             fn tile_intersect(bvh: &BvhView, packet: &TilePacket, hits: &mut TileHits) {
@@ -162,6 +188,16 @@ macro_rules! entries {
             $(#[target_feature(enable = $features)])?
             fn occluded(bvh: &BvhView, ray: &Ray) -> bool {
                 single::occluded($token, bvh, ray)
+            }
+
+            $(#[target_feature(enable = $features)])?
+            fn intersect_each(bvh: &BvhView, flight: &mut Flight, rays: &[Ray], hits: &mut [Hit]) {
+                flight::intersect($token, bvh, flight, rays, hits);
+            }
+
+            $(#[target_feature(enable = $features)])?
+            fn occluded_each(bvh: &BvhView, flight: &mut Flight, rays: &[Ray], blocked: &mut [bool]) {
+                flight::occluded($token, bvh, flight, rays, blocked);
             }
 
             $(#[target_feature(enable = $features)])?

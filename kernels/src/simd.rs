@@ -73,6 +73,38 @@ pub trait Lanes<const W: usize>: Copy + 'static {
     fn ieq(self, a: Self::I, b: Self::I) -> Self::M;
     /// `if m { a } else { b }`
     fn iselect(self, m: Self::M, a: Self::I, b: Self::I) -> Self::I;
+    /// Lane `i` = lane `from[i] % W` of `a`.
+    #[inline(always)]
+    fn ipermute(self, a: Self::I, from: Self::I) -> Self::I {
+        let (mut lanes, mut at) = ([0; W], [0; W]);
+        self.istore(a, &mut lanes);
+        self.istore(from, &mut at);
+        self.iload(&at.map(|lane| lanes[lane as usize % W]))
+    }
+    /// The lanes whose bit is set, in order, in the first lanes; the others are unspecified.
+    #[inline(always)]
+    fn icompress(self, a: Self::I, bits: u32) -> Self::I {
+        let mut lanes = [0; W];
+        self.istore(a, &mut lanes);
+        let mut front = 0;
+        for lane in 0..W {
+            // Never beyond `lane`, so nothing that is still needed is overwritten.
+            lanes[front % W] = lanes[lane];
+            front += (bits >> lane & 1) as usize;
+        }
+        self.iload(&lanes)
+    }
+    /// Each lane of a shifted right by the same lane of b, which is below 32.
+    #[inline(always)]
+    fn ishrv(self, a: Self::I, b: Self::I) -> Self::I {
+        let (mut lanes, mut by) = ([0; W], [0; W]);
+        self.istore(a, &mut lanes);
+        self.istore(b, &mut by);
+        for lane in 0..W {
+            lanes[lane] >>= by[lane] & 31;
+        }
+        self.iload(&lanes)
+    }
     /// Signed integer to float, rounding to nearest.
     fn to_float(self, a: Self::I) -> Self::F;
     /// Float to signed integer, rounding towards zero; values outside the range are unspecified.

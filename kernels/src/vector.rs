@@ -158,6 +158,21 @@ impl<S: Lanes<W>, const W: usize> I32<S, W> {
     pub fn shr<const N: i32>(self) -> Self {
         I32 { v: self.s.ishr::<N>(self.v), s: self.s }
     }
+    /// Each lane shifted right by the same lane of `o`, which is below 32.
+    #[inline(always)]
+    pub fn shr_by(self, o: Self) -> Self {
+        I32 { v: self.s.ishrv(self.v, o.v), s: self.s }
+    }
+    /// Lane `i` = lane `from[i] % W`.
+    #[inline(always)]
+    pub fn permute(self, from: Self) -> Self {
+        I32 { v: self.s.ipermute(self.v, from.v), s: self.s }
+    }
+    /// The lanes whose bit is set, in order, in the first lanes; the others are unspecified.
+    #[inline(always)]
+    pub fn compress(self, bits: u32) -> Self {
+        I32 { v: self.s.icompress(self.v, bits), s: self.s }
+    }
     /// self == o
     #[inline(always)]
     pub fn eq(self, o: Self) -> Mask<S, W> {

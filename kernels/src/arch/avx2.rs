@@ -15,6 +15,24 @@ impl Simd for Avx2 {
     const ISA: Isa = Isa::Avx2;
 }
 
+/// For each set of lanes, the lanes in it from the lowest on: three bits each, the first in the lowest.
+const FRONT: [u32; 256] = {
+    let mut table = [0; 256];
+    let mut bits = 0;
+    while bits < 256 {
+        let (mut lane, mut at) = (0, 0);
+        while lane < 8 {
+            if bits >> lane & 1 != 0 {
+                table[bits] |= lane << at;
+                at += 3;
+            }
+            lane += 1;
+        }
+        bits += 1;
+    }
+    table
+};
+
 lanes! { Avx2, 8, __m256, __m256i, __m256;
     splat(x: f32) -> __m256 = _mm256_set1_ps(x);
     load(from: &[f32; 8]) -> __m256 = core::mem::transmute::<[f32; 8], __m256>(*from);
@@ -49,6 +67,14 @@ lanes! { Avx2, 8, __m256, __m256i, __m256;
     ishr<const N>(a: __m256i) -> __m256i = _mm256_srli_epi32::<N>(a);
     ieq(a: __m256i, b: __m256i) -> __m256 = _mm256_castsi256_ps(_mm256_cmpeq_epi32(a, b));
     iselect(m: __m256, a: __m256i, b: __m256i) -> __m256i = _mm256_blendv_epi8(b, a, _mm256_castps_si256(m));
+    ipermute(a: __m256i, from: __m256i) -> __m256i = _mm256_permutevar8x32_epi32(a, from);
+    icompress(a: __m256i, bits: u32) -> __m256i = {
+        // Only the three lowest bits of each lane count.
+        let sources = FRONT[(bits & 255) as usize];
+        let lane = _mm256_setr_epi32(0, 3, 6, 9, 12, 15, 18, 21);
+        _mm256_permutevar8x32_epi32(a, _mm256_srlv_epi32(_mm256_set1_epi32(sources as i32), lane))
+    };
+    ishrv(a: __m256i, b: __m256i) -> __m256i = _mm256_srlv_epi32(a, b);
     to_float(a: __m256i) -> __m256 = _mm256_cvtepi32_ps(a);
     trunc(a: __m256) -> __m256i = _mm256_cvttps_epi32(a);
     mbits(m: __m256) -> u32 = _mm256_movemask_ps(m) as u32;

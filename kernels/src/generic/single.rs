@@ -16,7 +16,7 @@ use super::{
 use crate::{
     exact::{Canonical, wide},
     node::{BvhView, EMPTY_NODE, Node, NodeRef},
-    packet::{Face, Hit, Ray},
+    packet::{Face, Hit, MISS, Ray},
     simd::Simd,
 };
 
@@ -25,7 +25,7 @@ pub(super) const SHRINK: f32 = 1.0 - 4.0 * f32::EPSILON;
 pub(super) const GROW: f32 = 1.0 + 4.0 * f32::EPSILON;
 
 /// A ray prepared for traversal.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct TravRay {
     pub(super) org: [f32; 3],
     pub(super) rdir: [f32; 3],
@@ -44,6 +44,20 @@ pub(super) struct TravRay {
 }
 
 impl TravRay {
+    /// Hits nothing.
+    pub(super) const NONE: TravRay = TravRay {
+        org: [0.0; 3],
+        rdir: [0.0; 3],
+        negative: [0; 3],
+        frame: Frame { org: [0.0; 3], axes: [0, 1, 2], flip: 0 },
+        d: [0.0; 3],
+        slopes: [0.0; 2],
+        scale: 0.0,
+        tnear: 0.0,
+        tfar: -1.0,
+        skip: MISS,
+    };
+
     /// `None` for a ray that hits nothing by definition.
     #[inline(always)]
     pub(super) fn new(ray: &Ray) -> Option<TravRay> {
@@ -74,7 +88,7 @@ impl TravRay {
 }
 
 /// The best hit so far: depths along the third axis of the frame.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Best {
     /// Encloses the depth.
     pub(super) lo: f32,

@@ -1,0 +1,321 @@
+//! Many rays that have nothing in common, a step of each in turn.
+//!
+//! A single ray waits most of the time: for the node that the previous one led to, for the order of its children, for
+//! branches that went the other way. Here [`FLIGHT`] rays are on their way at once, and what one waits for overlaps
+//! with the work of the others.
+//!
+//! ```text
+//!   inner: rays whose next node is inner --boxes, push, pop--> inner, or
+//!   leafs: rays whose next node is a leaf --triangles, pop--> inner, leafs, or
+//!   done:  rays whose stack is empty --hit--> the next ray of the list
+//! ```
+//!
+//! A step through an inner node has no branch that depends on the ray: children lie in the order that suits the ray's
+//! octant ([`Node::order`]), so that compressing those that are hit onto the stack leaves the nearest on top. Entries
+//! behind the best hit are removed when that changes, not when they are popped.
+
+use super::{
+    F8,
+    doubt::NO_SLOT,
+    single::{Best, TravRay, leaf},
+};
+use crate::{
+    node::{BvhView, EMPTY_NODE, Node, NodeRef, STACK},
+    packet::{Hit, Ray},
+    simd::Simd,
+    vector::I32,
+};
+/// Rays on their way at once; at most 256.
+const FLIGHT: usize = 16;
+/// Entries that may be written above the last one.
+const SLACK: usize = 8;
+/// Covers the rounding of differences, reciprocals, products and of this factor itself, generously.
+const WIDEN: f32 = 1.0 + 8.0 * f32::EPSILON;
+
+/// First hits of all rays.
+#[inline(always)]
+pub(crate) fn intersect<S: Simd>(s: S, bvh: &BvhView, flight: &mut Flight, rays: &[Ray], hits: &mut [Hit]) {
+    fly::<S, false>(s, bvh, flight, rays, &mut Hits(hits));
+}
+
+/// Which rays hit anything.
+#[inline(always)]
+pub(crate) fn occluded<S: Simd>(
+    s: S,
+    bvh: &BvhView,
+    flight: &mut Flight,
+    rays: &[Ray],
+    blocked: &mut [bool],
+) {
+    fly::<S, true>(s, bvh, flight, rays, &mut Blocked(blocked));
+}
+
+/// Where results go.
+trait Landing {
+    fn land(&mut self, bvh: &BvhView, number: usize, ray: &TravRay, best: &Best);
+    fn land_invalid(&mut self, number: usize);
+}
+
+/// First hits.
+struct Hits<'a>(&'a mut [Hit]);
+
+impl Landing for Hits<'_> {
+    #[inline(always)]
+    fn land(&mut self, bvh: &BvhView, number: usize, ray: &TravRay, best: &Best) {
+        self.0[number] = best.hit(bvh, ray);
+    }
+    #[inline(always)]
+    fn land_invalid(&mut self, number: usize) {
+        self.0[number] = Hit::MISS;
+    }
+}
+
+/// Whether there is a hit.
+struct Blocked<'a>(&'a mut [bool]);
+
+impl Landing for Blocked<'_> {
+    #[inline(always)]
+    fn land(&mut self, _: &BvhView, number: usize, _: &TravRay, best: &Best) {
+        self.0[number] = best.slot != NO_SLOT;
+    }
+    #[inline(always)]
+    fn land_invalid(&mut self, number: usize) {
+        self.0[number] = false;
+    }
+}
+
+/// A ray on its way.
+#[derive(Clone, Debug)]
+struct Flyer {
+    ray: TravRay,
+    /// Reciprocal directions, times [`WIDEN`].
+    far_rdir: [f32; 3],
+    /// At least the ray parameter of the best hit.
+    reach: f32,
+    octant: usize,
+    best: Best,
+    /// Which of the caller's rays it is.
+    number: usize,
+    /// Entries on the stack.
+    len: usize,
+    /// What to visit: at the bottom [`EMPTY_NODE`].
+    nodes: [u32; STACK + SLACK],
+    /// Where the rays enters it, at least.
+    nears: [f32; STACK + SLACK],
+}
+
+/// Room for the rays that are on their way, to be reused from call to call.
+#[derive(Clone, Debug)]
+pub struct Flight {
+    flyers: Vec<Flyer>,
+}
+
+impl Default for Flight {
+    fn default() -> Flight {
+        Flight { flyers: vec![Flyer::EMPTY; FLIGHT] }
+    }
+}
+
+/// A set of flyers.
+#[derive(Default)]
+struct Queue {
+    flyers: [u8; FLIGHT],
+    len: usize,
+}
+
+impl Queue {
+    /// Adds a flyer if `wanted`.
+    #[inline(always)]
+    fn push_if(&mut self, flyer: u8, wanted: bool) {
+        self.flyers[self.len % FLIGHT] = flyer;
+        self.len += usize::from(wanted);
+    }
+}
+
+/// Flyers by what they wait for.
+#[derive(Default)]
+struct Queues {
+    inner: Queue,
+    leafs: Queue,
+    done: Queue,
+}
+
+impl Queues {
+    #[inline(always)]
+    fn push(&mut self, flyer: u8, next: NodeRef) {
+        let (leaf, done) = (next.is_leaf(), next == EMPTY_NODE);
+        self.leafs.push_if(flyer, leaf);
+        self.done.push_if(flyer, done);
+        self.inner.push_if(flyer, !leaf & !done);
+    }
+}
+
+/// Traces all rays.
+#[inline(always)]
+fn fly<S: Simd, const ANY: bool>(
+    s: S,
+    bvh: &BvhView,
+    flight: &mut Flight,
+    rays: &[Ray],
+    landing: &mut impl Landing,
+) {
+    let flyers: &mut [Flyer; FLIGHT] = flight.flyers.as_mut_slice().try_into().expect("a flight is full");
+    let mut waiting = 0;
+    let mut queues = Queues::default();
+    for flyer in 0..FLIGHT {
+        queues_start(bvh, &mut flyers[flyer], flyer as u8, rays, &mut waiting, landing, &mut queues);
+    }
+    loop {
+        let batch = std::mem::take(&mut queues.inner);
+        for &flyer in &batch.flyers[..batch.len.min(FLIGHT)] {
+            let next = flyers[usize::from(flyer) % FLIGHT].inner(s, bvh);
+            queues.push(flyer, next);
+        }
+        if queues.inner.len > queues.leafs.len + queues.done.len {
+            continue;
+        }
+        let batch = std::mem::take(&mut queues.leafs);
+        for &flyer in &batch.flyers[..batch.len.min(FLIGHT)] {
+            let next = flyers[usize::from(flyer) % FLIGHT].leaf::<S, ANY>(s, bvh);
+            queues.push(flyer, next);
+        }
+        let batch = std::mem::take(&mut queues.done);
+        for &flyer in &batch.flyers[..batch.len.min(FLIGHT)] {
+            let at = &mut flyers[usize::from(flyer) % FLIGHT];
+            landing.land(bvh, at.number, &at.ray, &at.best);
+            queues_start(bvh, at, flyer, rays, &mut waiting, landing, &mut queues);
+        }
+        if queues.inner.len + queues.leafs.len + queues.done.len == 0 {
+            return;
+        }
+    }
+}
+
+/// Sends the next valid ray off, if there is one.
+#[inline(always)]
+fn queues_start(
+    bvh: &BvhView,
+    flyer: &mut Flyer,
+    index: u8,
+    rays: &[Ray],
+    waiting: &mut usize,
+    landing: &mut impl Landing,
+    queues: &mut Queues,
+) {
+    while *waiting < rays.len() {
+        let number = *waiting;
+        *waiting += 1;
+        match TravRay::new(&rays[number]) {
+            None => landing.land_invalid(number),
+            Some(ray) => {
+                let next = flyer.start(bvh, ray, number);
+                queues.push(index, next);
+                return;
+            }
+        }
+    }
+}
+
+impl Flyer {
+    const EMPTY: Flyer = Flyer {
+        ray: TravRay::NONE,
+        far_rdir: [0.0; 3],
+        reach: 0.0,
+        octant: 0,
+        best: Best { lo: 0.0, hi: 0.0, reach: 0.0, slot: NO_SLOT },
+        number: 0,
+        len: 0,
+        nodes: [0; STACK + SLACK],
+        nears: [0.0; STACK + SLACK],
+    };
+
+    /// Puts a ray on its way.
+    #[inline(always)]
+    fn start(&mut self, bvh: &BvhView, ray: TravRay, number: usize) -> NodeRef {
+        self.far_rdir = ray.rdir.map(|x| x * WIDEN);
+        self.octant = ray.negative[0] | ray.negative[1] << 1 | ray.negative[2] << 2;
+        self.best = Best::none(&ray);
+        self.reach = self.best.reach * WIDEN;
+        self.ray = ray;
+        self.number = number;
+        self.nodes[0] = EMPTY_NODE.raw();
+        self.nodes[1] = bvh.root.raw();
+        self.nears[0] = 0.0;
+        self.nears[1] = 0.0;
+        self.len = if bvh.root == EMPTY_NODE { 1 } else { 2 };
+        self.next()
+    }
+
+    /// What to visit next.
+    #[inline(always)]
+    fn next(&self) -> NodeRef {
+        NodeRef::from_raw(self.nodes[self.len - 1])
+    }
+
+    /// Replaces the topmost entry, an inner node, by those of its children that the ray meets.
+    #[inline(always)]
+    fn inner<S: Simd>(&mut self, s: S, bvh: &BvhView) -> NodeRef {
+        let node: &Node = &bvh.nodes[self.next().index()];
+        let ray = &self.ray;
+        let mut near = F8::splat(s, ray.tnear);
+        let mut far = F8::splat(s, self.reach);
+        for axis in 0..3 {
+            let org = F8::splat(s, ray.org[axis]);
+            let negative = ray.negative[axis] & 1;
+            let (near_plane, far_plane) =
+                (&node.bounds[2 * axis + negative], &node.bounds[2 * axis + 1 - negative]);
+            near = ((F8::load(s, near_plane) - org) * F8::splat(s, ray.rdir[axis])).max(near);
+            far = ((F8::load(s, far_plane) - org) * F8::splat(s, self.far_rdir[axis])).min(far);
+        }
+        let order = I32::splat(s, node.order[self.octant & 7])
+            .shr_by(I32::load(s, &[0, 3, 6, 9, 12, 15, 18, 21]));
+        let (near, far) = (near.bits().permute(order).floats(), far.bits().permute(order).floats());
+        let hit = near.le(far).bits();
+        let children = I32::load(s, &node.child.map(NodeRef::raw)).permute(order);
+        let at = self.len - 1;
+        let top: &mut [u32; 8] = (&mut self.nodes[at..at + 8]).try_into().expect("eight lanes");
+        children.compress(hit).store(top);
+        let top: &mut [f32; 8] = (&mut self.nears[at..at + 8]).try_into().expect("eight lanes");
+        near.bits().compress(hit).floats().store(top);
+        self.len = at + hit.count_ones() as usize;
+        self.next()
+    }
+
+    /// Tests the triangles of the topmost entry, a leaf, and removes it.
+    #[inline(always)]
+    fn leaf<S: Simd, const ANY: bool>(&mut self, s: S, bvh: &BvhView) -> NodeRef {
+        let before = self.best.slot;
+        leaf(s, bvh, &self.ray, self.next(), &mut self.best);
+        self.len -= 1;
+        if self.best.slot != before {
+            if ANY {
+                self.len = 1;
+            } else {
+                self.shorten(s);
+            }
+        }
+        self.next()
+    }
+
+    /// Removes what lies behind the best hit.
+    #[inline(always)]
+    fn shorten<S: Simd>(&mut self, s: S) {
+        self.reach = self.best.reach * WIDEN;
+        let reach = F8::splat(s, self.reach);
+        let (mut from, mut to) = (1, 1);
+        while from < self.len {
+            let nodes: &[u32; 8] = self.nodes[from..from + 8].try_into().expect("eight lanes");
+            let nears: &[f32; 8] = self.nears[from..from + 8].try_into().expect("eight lanes");
+            let (nodes, nears) = (I32::load(s, nodes), F8::load(s, nears));
+            let left = (self.len - from).min(8);
+            let keep = nears.le(reach).bits() & ((1 << left) - 1);
+            let top: &mut [u32; 8] = (&mut self.nodes[to..to + 8]).try_into().expect("eight lanes");
+            nodes.compress(keep).store(top);
+            let top: &mut [f32; 8] = (&mut self.nears[to..to + 8]).try_into().expect("eight lanes");
+            nears.bits().compress(keep).floats().store(top);
+            from += 8;
+            to += keep.count_ones() as usize;
+        }
+        self.len = to;
+    }
+}

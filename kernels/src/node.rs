@@ -134,15 +134,18 @@ impl Node {
         order: [0o01234567; 8],
     };
 
-    /// Orders the children for each octant: by the corner of their box that rays of the octant reach first.
+    /// Orders the children for each octant: by a point of their box, two thirds of the way from the corner that rays
+    /// of the octant reach first to the opposite one (of several points this one led to the fewest visits).
     pub fn sort(&mut self) {
         for octant in 0..8 {
             let key = |slot: usize| -> f32 {
-                let along = |axis: usize| match octant >> axis & 1 {
-                    0 => self.bounds[2 * axis][slot],
-                    _ => -self.bounds[2 * axis + 1][slot],
+                if self.child[slot] == EMPTY_NODE {
+                    return f32::INFINITY;
+                }
+                let along = |axis: usize| {
+                    let (min, max) = (self.bounds[2 * axis][slot], self.bounds[2 * axis + 1][slot]);
+                    if octant >> axis & 1 == 0 { min + 2.0 * max } else { -max - 2.0 * min }
                 };
-                // Empty children come first: they are infinitely far.
                 (0..3).map(along).sum()
             };
             let keys: [f32; 8] = std::array::from_fn(key);

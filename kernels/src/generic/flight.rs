@@ -116,7 +116,7 @@ impl Default for Flight {
     }
 }
 
-/// A set of flyers.
+/// A set of flyers. What is taken out may go back in: as long as no more than was taken, it stays behind the reader.
 #[derive(Default)]
 struct Queue {
     flyers: [u8; FLIGHT],
@@ -166,21 +166,21 @@ fn fly<S: Simd, const ANY: bool>(
         queues_start(bvh, &mut flyers[flyer], flyer as u8, rays, &mut waiting, landing, &mut queues);
     }
     loop {
-        let batch = std::mem::take(&mut queues.inner);
-        for &flyer in &batch.flyers[..batch.len.min(FLIGHT)] {
+        for at in 0..std::mem::take(&mut queues.inner.len) {
+            let flyer = queues.inner.flyers[at % FLIGHT];
             let next = flyers[usize::from(flyer) % FLIGHT].inner(s, bvh);
             queues.push(flyer, next);
         }
         if queues.inner.len > queues.leafs.len + queues.done.len {
             continue;
         }
-        let batch = std::mem::take(&mut queues.leafs);
-        for &flyer in &batch.flyers[..batch.len.min(FLIGHT)] {
+        for at in 0..std::mem::take(&mut queues.leafs.len) {
+            let flyer = queues.leafs.flyers[at % FLIGHT];
             let next = flyers[usize::from(flyer) % FLIGHT].leaf::<S, ANY>(s, bvh);
             queues.push(flyer, next);
         }
-        let batch = std::mem::take(&mut queues.done);
-        for &flyer in &batch.flyers[..batch.len.min(FLIGHT)] {
+        for at in 0..std::mem::take(&mut queues.done.len) {
+            let flyer = queues.done.flyers[at % FLIGHT];
             let at = &mut flyers[usize::from(flyer) % FLIGHT];
             landing.land(bvh, at.number, &at.ray, &at.best);
             queues_start(bvh, at, flyer, rays, &mut waiting, landing, &mut queues);

@@ -125,6 +125,10 @@ pub trait Lanes<const W: usize>: Copy + 'static {
 pub trait Simd: Lanes<8> + Lanes<16> {
     /// Which one it is.
     const ISA: Isa;
+
+    /// Asks for the cache line of an address, which need not be valid.
+    #[inline(always)]
+    fn prefetch(self, _: *const u8) {}
 }
 
 /// A computation that is generic over the instruction set, run by [`crate::Kernels::run`].

@@ -3,6 +3,7 @@
 use super::{
     lanes,
     pair::{halves, halves_mut, pair},
+    prefetch,
 };
 use crate::{isa::Isa, simd::Simd};
 use core::arch::x86_64::*;
@@ -13,6 +14,11 @@ pub(crate) struct Avx2(pub(crate) ());
 
 impl Simd for Avx2 {
     const ISA: Isa = Isa::Avx2;
+
+    #[inline(always)]
+    fn prefetch(self, at: *const u8) {
+        prefetch(at);
+    }
 }
 
 /// For each set of lanes, the lanes in it from the lowest on: three bits each, the first in the lowest.

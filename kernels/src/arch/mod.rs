@@ -38,3 +38,12 @@ macro_rules! lanes {
 }
 #[cfg(target_arch = "x86_64")]
 pub(crate) use lanes;
+
+/// Asks for the cache line of an address, which need not be valid.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn prefetch(at: *const u8) {
+    use core::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+    // SAFETY: a hint that never faults; SSE is part of x86_64.
+    unsafe { _mm_prefetch::<_MM_HINT_T0>(at.cast()) };
+}

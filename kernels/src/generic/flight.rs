@@ -29,6 +29,8 @@ use crate::{
 const FLIGHT: usize = 16;
 /// Entries that may be written above the last one.
 const SLACK: usize = 8;
+/// Cache lines of what is visited next that are fetched ahead.
+const LINES: usize = 5;
 /// Covers the rounding of differences, reciprocals, products and of this factor itself, generously.
 const WIDEN: f32 = 1.0 + 8.0 * f32::EPSILON;
 
@@ -252,6 +254,20 @@ impl Flyer {
         NodeRef::from_raw(self.nodes[self.len - 1])
     }
 
+    /// What to visit next, asked for from memory.
+    #[inline(always)]
+    fn fetch_next<S: Simd>(&self, s: S, bvh: &BvhView) -> NodeRef {
+        let next = self.next();
+        let node = bvh.nodes.as_ptr().wrapping_add(next.index()).cast::<u8>();
+        let block = bvh.blocks.as_ptr().wrapping_add(next.block()).cast::<u8>();
+        let at = if next.is_leaf() { block } else { node };
+        let at = if next == EMPTY_NODE { bvh.nodes.as_ptr().cast() } else { at };
+        for line in 0..LINES {
+            s.prefetch(at.wrapping_add(line * 64));
+        }
+        next
+    }
+
     /// Replaces the topmost entry, an inner node, by those of its children that the ray meets.
     #[inline(always)]
     fn inner<S: Simd>(&mut self, s: S, bvh: &BvhView) -> NodeRef {
@@ -278,7 +294,7 @@ impl Flyer {
         let top: &mut [f32; 8] = (&mut self.nears[at..at + 8]).try_into().expect("eight lanes");
         near.bits().compress(hit).floats().store(top);
         self.len = at + hit.count_ones() as usize;
-        self.next()
+        self.fetch_next(s, bvh)
     }
 
     /// Tests the triangles of the topmost entry, a leaf, and removes it.
@@ -294,7 +310,7 @@ impl Flyer {
                 self.shorten(s);
             }
         }
-        self.next()
+        self.fetch_next(s, bvh)
     }
 
     /// Removes what lies behind the best hit.

@@ -58,24 +58,33 @@ impl TravRay {
         skip: MISS,
     };
 
-    /// `None` for a ray that hits nothing by definition.
+    /// `None` for a ray that hits nothing by definition. Without branches or copies of the ray, which would wait for
+    /// each other.
     #[inline(always)]
     pub(super) fn new(ray: &Ray) -> Option<TravRay> {
-        let [x, y, z] = ray.dir;
-        let frame = Frame::new(ray.org, Face::of(ray.dir));
-        let [iu, iv, iz] = frame.axes;
-        let d = [ray.dir[iu], ray.dir[iv], f32::from_bits(ray.dir[iz].to_bits() ^ frame.flip)];
+        const MAGNITUDE: u32 = 0x7fff_ffff;
+        let (org, dir) = (&ray.org, &ray.dir);
+        // Magnitudes compare like their bits; those of NaN and infinity are the greatest.
+        let [x, y, z] = [0, 1, 2].map(|axis| dir[axis].to_bits() & MAGNITUDE);
+        let [ox, oy, oz] = [0, 1, 2].map(|axis| org[axis].to_bits() & MAGNITUDE);
+        let most = x.max(y).max(z);
+        let finite = most.max(ox).max(oy).max(oz) < f32::INFINITY.to_bits();
+        // As `Face::of`.
+        let axis = if x == most { 0 } else { 1 + usize::from(y < z) };
+        let [iu, iv, iz] = Face { axis, negative: false }.axes();
+        let flip = dir[iz].to_bits() & !MAGNITUDE;
+        let frame = Frame { org: [org[iu], org[iv], org[iz]], axes: [iu, iv, iz], flip };
+        let d = [dir[iu], dir[iv], f32::from_bits(most)];
         // Written so that NaN fails.
         let tnear = if ray.tnear > 0.0 { ray.tnear } else { 0.0 };
-        let finite = ray.org.iter().chain(&ray.dir).all(|x| x.is_finite());
-        if !(finite && d[2] > 0.0 && tnear <= ray.tfar && !ray.tnear.is_nan()) {
+        if !(finite & (most != 0) & (tnear <= ray.tfar) & !ray.tnear.is_nan()) {
             return None;
         }
         let scale = 1.0 / d[2];
         Some(TravRay {
-            org: ray.org,
-            rdir: [1.0 / x, 1.0 / y, 1.0 / z],
-            negative: [x.is_sign_negative().into(), y.is_sign_negative().into(), z.is_sign_negative().into()],
+            org: *org,
+            rdir: [1.0 / dir[0], 1.0 / dir[1], 1.0 / dir[2]],
+            negative: [0, 1, 2].map(|axis| (dir[axis].to_bits() >> 31) as usize),
             frame,
             d,
             slopes: [d[0] / d[2], d[1] / d[2]],

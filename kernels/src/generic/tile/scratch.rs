@@ -105,6 +105,12 @@ impl LeafCache {
         self.keys[self.current % ORIGINS].1
     }
 
+    /// True if a block is set up for the current packet.
+    #[inline(always)]
+    pub(super) fn has(&self, block: usize) -> bool {
+        self.tags[block % ENTRIES] == u64::from(self.epoch()) << 32 | block as u64
+    }
+
     /// The set-up of a block for the current packet.
     #[inline(always)]
     pub(super) fn get<S: Simd>(&mut self, s: S, bvh: &BvhView, frame: &Frame, block: usize) -> &BlockPlanes {

@@ -54,7 +54,7 @@ pub(super) fn traverse<S: Simd, const ANY: bool>(
             if ANY && state.live_subs == 0 {
                 return last;
             }
-        } else if children(s, &bvh.nodes[entry.node.index()], state, entry.subs, &mut stack, &mut entry) {
+        } else if children(s, bvh, state, leaves, &mut stack, &mut entry) {
             continue;
         }
         loop {
@@ -75,12 +75,14 @@ pub(super) fn traverse<S: Simd, const ANY: bool>(
 #[inline(always)]
 fn children<S: Simd>(
     s: S,
-    node: &Node,
+    bvh: &BvhView,
     state: &mut State,
-    subs: u32,
+    leaves: &LeafCache,
     stack: &mut Stack<Entry>,
     next: &mut Entry,
 ) -> bool {
+    let node = &bvh.nodes[next.node.index()];
+    let subs = next.subs;
     let mut left = tile_test(s, node, state);
     let bottom = stack.len();
     while left != 0 {
@@ -89,6 +91,7 @@ fn children<S: Simd>(
         let wanted = sub_test(s, child, state) & subs;
         if wanted != 0 {
             let near = state.planes.z[0][child];
+            fetch(s, bvh, leaves, node.child[child]);
             stack.insert(bottom, Entry { node: node.child[child], subs: wanted, near }, |e| e.near < near);
         }
     }
@@ -100,6 +103,16 @@ fn children<S: Simd>(
         None => return false,
     }
     true
+}
+
+/// Asks for what visiting a child will need.
+#[inline(always)]
+fn fetch<S: Simd>(s: S, bvh: &BvhView, leaves: &LeafCache, child: NodeRef) {
+    if !child.is_leaf() {
+        s.prefetch(&bvh.nodes[child.index()]);
+    } else if !leaves.has(child.block()) {
+        s.prefetch(&bvh.blocks[child.block()]);
+    }
 }
 
 /// Which children the tile's frustum may touch, lane = child.

@@ -81,19 +81,6 @@ pub trait Lanes<const W: usize>: Copy + 'static {
         self.istore(from, &mut at);
         self.iload(&at.map(|lane| lanes[lane as usize % W]))
     }
-    /// The lanes whose bit is set, in order, in the first lanes; the others are unspecified.
-    #[inline(always)]
-    fn icompress(self, a: Self::I, bits: u32) -> Self::I {
-        let mut lanes = [0; W];
-        self.istore(a, &mut lanes);
-        let mut front = 0;
-        for lane in 0..W {
-            // Never beyond `lane`, so nothing that is still needed is overwritten.
-            lanes[front % W] = lanes[lane];
-            front += (bits >> lane & 1) as usize;
-        }
-        self.iload(&lanes)
-    }
     /// Each lane of a shifted right by the same lane of b, which is below 32.
     #[inline(always)]
     fn ishrv(self, a: Self::I, b: Self::I) -> Self::I {
@@ -104,6 +91,18 @@ pub trait Lanes<const W: usize>: Copy + 'static {
             lanes[lane] >>= by[lane] & 31;
         }
         self.iload(&lanes)
+    }
+    /// The lanes whose bit is set, one after the other from the start of `to`; what is left of it is unspecified.
+    #[inline(always)]
+    fn compress(self, bits: u32, a: Self::I, to: &mut [u32; W]) {
+        let mut lanes = [0; W];
+        self.istore(a, &mut lanes);
+        let (mut left, mut at) = (bits, 0);
+        while left != 0 {
+            to[at % W] = lanes[left.trailing_zeros() as usize % W];
+            left &= left - 1;
+            at += 1;
+        }
     }
     /// Signed integer to float, rounding to nearest.
     fn to_float(self, a: Self::I) -> Self::F;
@@ -126,9 +125,11 @@ pub trait Simd: Lanes<8> + Lanes<16> {
     /// Which one it is.
     const ISA: Isa;
 
-    /// Asks for the cache line of an address, which need not be valid.
+    /// Asks for all cache lines of `target`, which need not exist; a hint.
     #[inline(always)]
-    fn prefetch(self, _: *const u8) {}
+    fn prefetch<T>(self, target: *const T) {
+        let _ = target;
+    }
 }
 
 /// A computation that is generic over the instruction set, run by [`crate::Kernels::run`].

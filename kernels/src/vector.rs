@@ -148,6 +148,11 @@ impl<S: Lanes<W>, const W: usize> I32<S, W> {
     pub fn store(self, to: &mut [u32; W]) {
         self.s.istore(self.v, to);
     }
+    /// The lanes whose bit is set, one after the other from the start of `to`; what is left of it is unspecified.
+    #[inline(always)]
+    pub fn compress(self, bits: u32, to: &mut [u32; W]) {
+        self.s.compress(bits, self.v, to);
+    }
     /// Shifted left by `N` bits.
     #[inline(always)]
     pub fn shl<const N: i32>(self) -> Self {
@@ -167,11 +172,6 @@ impl<S: Lanes<W>, const W: usize> I32<S, W> {
     #[inline(always)]
     pub fn permute(self, from: Self) -> Self {
         I32 { v: self.s.ipermute(self.v, from.v), s: self.s }
-    }
-    /// The lanes whose bit is set, in order, in the first lanes; the others are unspecified.
-    #[inline(always)]
-    pub fn compress(self, bits: u32) -> Self {
-        I32 { v: self.s.icompress(self.v, bits), s: self.s }
     }
     /// self == o
     #[inline(always)]

@@ -3,7 +3,7 @@
 use super::{
     lanes,
     pair::{halves, halves_mut, pair},
-    prefetch,
+    prefetch_lines,
 };
 use crate::{isa::Isa, simd::Simd};
 use core::arch::x86_64::*;
@@ -16,8 +16,8 @@ impl Simd for Avx2 {
     const ISA: Isa = Isa::Avx2;
 
     #[inline(always)]
-    fn prefetch(self, at: *const u8) {
-        prefetch(at);
+    fn prefetch<T>(self, target: *const T) {
+        prefetch_lines(target);
     }
 }
 
@@ -74,11 +74,11 @@ lanes! { Avx2, 8, __m256, __m256i, __m256;
     ieq(a: __m256i, b: __m256i) -> __m256 = _mm256_castsi256_ps(_mm256_cmpeq_epi32(a, b));
     iselect(m: __m256, a: __m256i, b: __m256i) -> __m256i = _mm256_blendv_epi8(b, a, _mm256_castps_si256(m));
     ipermute(a: __m256i, from: __m256i) -> __m256i = _mm256_permutevar8x32_epi32(a, from);
-    icompress(a: __m256i, bits: u32) -> __m256i = {
+    compress(bits: u32, a: __m256i, to: &mut [u32; 8]) = {
         // Only the three lowest bits of each lane count.
-        let sources = FRONT[(bits & 255) as usize];
-        let lane = _mm256_setr_epi32(0, 3, 6, 9, 12, 15, 18, 21);
-        _mm256_permutevar8x32_epi32(a, _mm256_srlv_epi32(_mm256_set1_epi32(sources as i32), lane))
+        let from = _mm256_set1_epi32(FRONT[(bits & 255) as usize] as i32);
+        let from = _mm256_srlv_epi32(from, _mm256_setr_epi32(0, 3, 6, 9, 12, 15, 18, 21));
+        _mm256_storeu_si256(to.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(a, from))
     };
     ishrv(a: __m256i, b: __m256i) -> __m256i = _mm256_srlv_epi32(a, b);
     to_float(a: __m256i) -> __m256 = _mm256_cvtepi32_ps(a);

@@ -1,6 +1,6 @@
 //! AVX-512 F, VL, DQ and BW: 16 lanes in a register; 8 lanes in half of one, with mask registers as well.
 
-use super::{lanes, prefetch};
+use super::{lanes, prefetch_lines};
 use crate::{isa::Isa, simd::Simd};
 use core::arch::x86_64::*;
 
@@ -12,8 +12,8 @@ impl Simd for Avx512 {
     const ISA: Isa = Isa::Avx512;
 
     #[inline(always)]
-    fn prefetch(self, at: *const u8) {
-        prefetch(at);
+    fn prefetch<T>(self, target: *const T) {
+        prefetch_lines(target);
     }
 }
 
@@ -48,8 +48,9 @@ lanes! { Avx512, 16, __m512, __m512i, __mmask16;
     ieq(a: __m512i, b: __m512i) -> __mmask16 = _mm512_cmpeq_epi32_mask(a, b);
     iselect(m: __mmask16, a: __m512i, b: __m512i) -> __m512i = _mm512_mask_blend_epi32(m, b, a);
     ipermute(a: __m512i, from: __m512i) -> __m512i = _mm512_permutexvar_epi32(from, a);
-    icompress(a: __m512i, bits: u32) -> __m512i = _mm512_maskz_compress_epi32(bits as __mmask16, a);
     ishrv(a: __m512i, b: __m512i) -> __m512i = _mm512_srlv_epi32(a, b);
+    compress(bits: u32, a: __m512i, to: &mut [u32; 16]) =
+        _mm512_storeu_si512(to.as_mut_ptr().cast(), _mm512_maskz_compress_epi32(bits as __mmask16, a));
     to_float(a: __m512i) -> __m512 = _mm512_cvtepi32_ps(a);
     trunc(a: __m512) -> __m512i = _mm512_cvttps_epi32(a);
     mbits(m: __mmask16) -> u32 = u32::from(m);
@@ -93,8 +94,9 @@ lanes! { Avx512, 8, __m256, __m256i, __mmask8;
     ieq(a: __m256i, b: __m256i) -> __mmask8 = _mm256_cmpeq_epi32_mask(a, b);
     iselect(m: __mmask8, a: __m256i, b: __m256i) -> __m256i = _mm256_mask_blend_epi32(m, b, a);
     ipermute(a: __m256i, from: __m256i) -> __m256i = _mm256_permutexvar_epi32(from, a);
-    icompress(a: __m256i, bits: u32) -> __m256i = _mm256_maskz_compress_epi32(bits as __mmask8, a);
     ishrv(a: __m256i, b: __m256i) -> __m256i = _mm256_srlv_epi32(a, b);
+    compress(bits: u32, a: __m256i, to: &mut [u32; 8]) =
+        _mm256_storeu_si256(to.as_mut_ptr().cast(), _mm256_maskz_compress_epi32(bits as __mmask8, a));
     to_float(a: __m256i) -> __m256 = _mm256_cvtepi32_ps(a);
     trunc(a: __m256) -> __m256i = _mm256_cvttps_epi32(a);
     mbits(m: __mmask8) -> u32 = u32::from(m);

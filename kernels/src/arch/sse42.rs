@@ -3,7 +3,7 @@
 use super::{
     lanes,
     pair::{halves, halves_mut, pair},
-    prefetch,
+    prefetch_lines,
 };
 use crate::{isa::Isa, simd::Simd};
 use core::arch::x86_64::*;
@@ -16,8 +16,8 @@ impl Simd for Sse42 {
     const ISA: Isa = Isa::Sse42;
 
     #[inline(always)]
-    fn prefetch(self, at: *const u8) {
-        prefetch(at);
+    fn prefetch<T>(self, target: *const T) {
+        prefetch_lines(target);
     }
 }
 

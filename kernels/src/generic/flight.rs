@@ -102,8 +102,8 @@ struct Flyer {
     len: usize,
     /// What to visit: at the bottom [`EMPTY_NODE`].
     nodes: [u32; STACK + SLACK],
-    /// Where the rays enters it, at least.
-    nears: [f32; STACK + SLACK],
+    /// Where the ray enters it, at least: the bits of a float.
+    nears: [u32; STACK + SLACK],
 }
 
 /// Room for the rays that are on their way, to be reused from call to call.
@@ -228,7 +228,7 @@ impl Flyer {
         number: 0,
         len: 0,
         nodes: [0; STACK + SLACK],
-        nears: [0.0; STACK + SLACK],
+        nears: [0; STACK + SLACK],
     };
 
     /// Puts a ray on its way.
@@ -242,8 +242,8 @@ impl Flyer {
         self.number = number;
         self.nodes[0] = EMPTY_NODE.raw();
         self.nodes[1] = bvh.root.raw();
-        self.nears[0] = 0.0;
-        self.nears[1] = 0.0;
+        self.nears[0] = 0;
+        self.nears[1] = 0;
         self.len = if bvh.root == EMPTY_NODE { 1 } else { 2 };
         self.next()
     }
@@ -262,9 +262,7 @@ impl Flyer {
         let block = bvh.blocks.as_ptr().wrapping_add(next.block()).cast::<u8>();
         let at = if next.is_leaf() { block } else { node };
         let at = if next == EMPTY_NODE { bvh.nodes.as_ptr().cast() } else { at };
-        for line in 0..LINES {
-            s.prefetch(at.wrapping_add(line * 64));
-        }
+        s.prefetch(at.cast::<[u8; 64 * LINES]>());
         next
     }
 
@@ -290,9 +288,9 @@ impl Flyer {
         let children = I32::load(s, &node.child.map(NodeRef::raw)).permute(order);
         let at = self.len - 1;
         let top: &mut [u32; 8] = (&mut self.nodes[at..at + 8]).try_into().expect("eight lanes");
-        children.compress(hit).store(top);
-        let top: &mut [f32; 8] = (&mut self.nears[at..at + 8]).try_into().expect("eight lanes");
-        near.bits().compress(hit).floats().store(top);
+        children.compress(hit, top);
+        let top: &mut [u32; 8] = (&mut self.nears[at..at + 8]).try_into().expect("eight lanes");
+        near.bits().compress(hit, top);
         self.len = at + hit.count_ones() as usize;
         self.fetch_next(s, bvh)
     }
@@ -321,14 +319,14 @@ impl Flyer {
         let (mut from, mut to) = (1, 1);
         while from < self.len {
             let nodes: &[u32; 8] = self.nodes[from..from + 8].try_into().expect("eight lanes");
-            let nears: &[f32; 8] = self.nears[from..from + 8].try_into().expect("eight lanes");
-            let (nodes, nears) = (I32::load(s, nodes), F8::load(s, nears));
+            let nears: &[u32; 8] = self.nears[from..from + 8].try_into().expect("eight lanes");
+            let (nodes, nears) = (I32::load(s, nodes), I32::load(s, nears));
             let left = (self.len - from).min(8);
-            let keep = nears.le(reach).bits() & ((1 << left) - 1);
+            let keep = nears.floats().le(reach).bits() & ((1 << left) - 1);
             let top: &mut [u32; 8] = (&mut self.nodes[to..to + 8]).try_into().expect("eight lanes");
-            nodes.compress(keep).store(top);
-            let top: &mut [f32; 8] = (&mut self.nears[to..to + 8]).try_into().expect("eight lanes");
-            nears.bits().compress(keep).floats().store(top);
+            nodes.compress(keep, top);
+            let top: &mut [u32; 8] = (&mut self.nears[to..to + 8]).try_into().expect("eight lanes");
+            nears.compress(keep, top);
             from += 8;
             to += keep.count_ones() as usize;
         }

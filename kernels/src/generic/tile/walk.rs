@@ -1,6 +1,6 @@
 //! Walking the tree: which children anyone has to visit, nearest first.
 
-use super::{State, triangles::leaf};
+use super::{State, scratch::LeafCache, triangles::leaf};
 use crate::{
     generic::{F8, F16, stack::Stack},
     node::{BvhView, EMPTY_NODE, Node, NodeRef},
@@ -20,6 +20,7 @@ struct Entry {
 
 /// Box planes of a node's children relative to the origin, in permuted axes; depth cut off at zero. In memory so
 /// that they can be broadcast.
+#[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Planes {
     x: [[f32; 8]; 2],
@@ -38,6 +39,7 @@ pub(super) fn traverse<S: Simd, const ANY: bool>(
     bvh: &BvhView,
     packet: &TilePacket,
     state: &mut State,
+    leaves: &mut LeafCache,
     root: NodeRef,
 ) -> NodeRef {
     let mut last = EMPTY_NODE;
@@ -48,11 +50,11 @@ pub(super) fn traverse<S: Simd, const ANY: bool>(
     let mut entry = Entry { node: root, subs: state.live_subs, near: 0.0 };
     loop {
         if entry.node.is_leaf() {
-            last = leaf::<S, ANY>(s, bvh, packet, state, entry.node, entry.subs, last);
+            last = leaf::<S, ANY>(s, bvh, packet, state, leaves, entry.node, entry.subs, last);
             if ANY && state.live_subs == 0 {
                 return last;
             }
-        } else if children(s, &bvh.nodes[entry.node.index()], state, entry.subs, &mut stack, &mut entry) {
+        } else if children(s, bvh, state, leaves, &mut stack, &mut entry) {
             continue;
         }
         loop {
@@ -73,12 +75,14 @@ pub(super) fn traverse<S: Simd, const ANY: bool>(
 #[inline(always)]
 fn children<S: Simd>(
     s: S,
-    node: &Node,
+    bvh: &BvhView,
     state: &mut State,
-    subs: u32,
+    leaves: &LeafCache,
     stack: &mut Stack<Entry>,
     next: &mut Entry,
 ) -> bool {
+    let node = &bvh.nodes[next.node.index()];
+    let subs = next.subs;
     let mut left = tile_test(s, node, state);
     let bottom = stack.len();
     while left != 0 {
@@ -87,6 +91,7 @@ fn children<S: Simd>(
         let wanted = sub_test(s, child, state) & subs;
         if wanted != 0 {
             let near = state.planes.z[0][child];
+            fetch(s, bvh, leaves, node.child[child]);
             stack.insert(bottom, Entry { node: node.child[child], subs: wanted, near }, |e| e.near < near);
         }
     }
@@ -98,6 +103,16 @@ fn children<S: Simd>(
         None => return false,
     }
     true
+}
+
+/// Asks for what visiting a child will need.
+#[inline(always)]
+fn fetch<S: Simd>(s: S, bvh: &BvhView, leaves: &LeafCache, child: NodeRef) {
+    if !child.is_leaf() {
+        s.prefetch(&bvh.nodes[child.index()]);
+    } else if !leaves.has(child.block()) {
+        s.prefetch(&bvh.blocks[child.block()]);
+    }
 }
 
 /// Which children the tile's frustum may touch, lane = child.

@@ -6,8 +6,8 @@ use irt::{
     bvh::{BuildPreset, Bvh},
     camera::Camera,
     kernels::{
-        EMPTY_NODE, Face, Hit, Kernels, MISS, PACKET_RAYS, Ray, SUB, SUBS, TILE_RAYS, TileHits, TilePacket,
-        TileScratch,
+        EMPTY_NODE, Face, Flight, Hit, Kernels, MISS, PACKET_RAYS, Ray, SUB, SUBS, TILE_RAYS, TileHits,
+        TilePacket, TileScratch,
     },
     scene::{CameraDescription, TriangleMesh, procedural},
     trace::{KernelChoice, RayStream, Traversal},
@@ -261,13 +261,14 @@ fn packets_agree_with_single_rays() {
     }
 }
 
-/// A stream of any rays in any order.
+/// Streams and flights of any rays in any order.
 #[test]
-fn streams_agree_with_single_rays() {
+fn streams_and_flights_agree_with_single_rays() {
     let mut random = Random(6);
     let mesh = soup(14, 900, 0.2);
     let bvh = build(&mesh);
     let mut stream = RayStream::default();
+    let mut flight = Flight::default();
     for count in [0, 1, 15, 700, 5000] {
         let mut rays: Vec<Ray> = Vec::new();
         while rays.len() < count {
@@ -288,10 +289,16 @@ fn streams_agree_with_single_rays() {
             stream.intersect(&traversal, &rays, &mut hits);
             let mut blocked = vec![false; count];
             stream.occluded(&traversal, &rays, &mut blocked);
+            let mut flown = vec![Hit::MISS; count];
+            traversal.intersect_each(&rays, &mut flight, &mut flown);
+            let mut stopped = vec![false; count];
+            traversal.occluded_each(&rays, &mut flight, &mut stopped);
             for (i, ray) in rays.iter().enumerate() {
                 let want = kernels.intersect(&bvh.view(), ray);
                 same("stream", &kernels, ray, hits[i], want);
-                assert_eq!(blocked[i], want.prim != MISS, "{}: {ray:?}", kernels.isa());
+                same("flight", &kernels, ray, flown[i], want);
+                assert_eq!(blocked[i], want.prim != MISS, "stream, {}: {ray:?}", kernels.isa());
+                assert_eq!(stopped[i], want.prim != MISS, "flight, {}: {ray:?}", kernels.isa());
             }
         }
     }

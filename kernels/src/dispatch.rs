@@ -17,8 +17,8 @@ type TileIntersect = unsafe fn(&BvhView, &TilePacket, &mut TileScratch, &mut Til
 type TileOccluded = unsafe fn(&BvhView, &TilePacket, &mut TileScratch, &mut NodeRef, &mut [u16; SUBS]);
 type Intersect = unsafe fn(&BvhView, &Ray) -> Hit;
 type Occluded = unsafe fn(&BvhView, &Ray) -> bool;
-type IntersectEach = unsafe fn(&BvhView, &mut Flight, &[Ray], &mut [Hit]);
-type OccludedEach = unsafe fn(&BvhView, &mut Flight, &[Ray], &mut [bool]);
+type IntersectEach = unsafe fn(&BvhView, &[Ray], &mut Flight, &mut [Hit]);
+type OccludedEach = unsafe fn(&BvhView, &[Ray], &mut Flight, &mut [bool]);
 type PacketIntersect = unsafe fn(&BvhView, &[Ray], &mut [Hit]);
 type PacketOccluded = unsafe fn(&BvhView, &[Ray]) -> u32;
 
@@ -114,10 +114,10 @@ impl Kernels {
     /// # Panics
     /// If there are not as many hits as rays.
     #[inline]
-    pub fn intersect_each(&self, bvh: &BvhView, flight: &mut Flight, rays: &[Ray], hits: &mut [Hit]) {
+    pub fn intersect_each(&self, bvh: &BvhView, rays: &[Ray], flight: &mut Flight, hits: &mut [Hit]) {
         assert_eq!(rays.len(), hits.len(), "one hit for each ray");
         // SAFETY: as in `tile_intersect`.
-        unsafe { (self.intersect_each)(bvh, flight, rays, hits) }
+        unsafe { (self.intersect_each)(bvh, rays, flight, hits) }
     }
 
     /// Which of many rays that have nothing in common anything blocks.
@@ -125,10 +125,10 @@ impl Kernels {
     /// # Panics
     /// If there are not as many answers as rays.
     #[inline]
-    pub fn occluded_each(&self, bvh: &BvhView, flight: &mut Flight, rays: &[Ray], blocked: &mut [bool]) {
+    pub fn occluded_each(&self, bvh: &BvhView, rays: &[Ray], flight: &mut Flight, blocked: &mut [bool]) {
         assert_eq!(rays.len(), blocked.len(), "one answer for each ray");
         // SAFETY: as in `tile_intersect`.
-        unsafe { (self.occluded_each)(bvh, flight, rays, blocked) }
+        unsafe { (self.occluded_each)(bvh, rays, flight, blocked) }
     }
 
     /// First hits of at most [`PACKET_RAYS`] rays: quickest if they share face and signs and start close together.
@@ -213,13 +213,13 @@ macro_rules! entries {
             }
 
             $(#[target_feature(enable = $features)])?
-            fn intersect_each(bvh: &BvhView, flight: &mut Flight, rays: &[Ray], hits: &mut [Hit]) {
-                flight::intersect($token, bvh, flight, rays, hits);
+            fn intersect_each(bvh: &BvhView, rays: &[Ray], flight: &mut Flight, hits: &mut [Hit]) {
+                flight::intersect($token, bvh, rays, flight, hits);
             }
 
             $(#[target_feature(enable = $features)])?
-            fn occluded_each(bvh: &BvhView, flight: &mut Flight, rays: &[Ray], blocked: &mut [bool]) {
-                flight::occluded($token, bvh, flight, rays, blocked);
+            fn occluded_each(bvh: &BvhView, rays: &[Ray], flight: &mut Flight, blocked: &mut [bool]) {
+                flight::occluded($token, bvh, rays, flight, blocked);
             }
 
             $(#[target_feature(enable = $features)])?

@@ -140,20 +140,21 @@ impl Node {
     /// of the octant reach first to the opposite one (of several points this one led to the fewest visits).
     pub fn sort(&mut self) {
         for octant in 0..8 {
-            let key = |slot: usize| -> f32 {
-                if self.child[slot] == EMPTY_NODE {
-                    return f32::INFINITY;
+            let mut keys = [0.0f32; 8];
+            for (axis, planes) in self.bounds.as_chunks::<2>().0.iter().enumerate() {
+                let negative = octant >> axis & 1 != 0;
+                for ((key, min), max) in keys.iter_mut().zip(planes[0]).zip(planes[1]) {
+                    *key += if negative { -max - 2.0 * min } else { min + 2.0 * max };
                 }
-                let along = |axis: usize| {
-                    let (min, max) = (self.bounds[2 * axis][slot], self.bounds[2 * axis + 1][slot]);
-                    if octant >> axis & 1 == 0 { min + 2.0 * max } else { -max - 2.0 * min }
-                };
-                (0..3).map(along).sum()
-            };
-            let keys: [f32; 8] = std::array::from_fn(key);
-            let mut slots = [0, 1, 2, 3, 4, 5, 6, 7];
-            slots.sort_by(|&a, &b| keys[b].total_cmp(&keys[a]));
-            self.order[octant] = slots.iter().rev().fold(0, |order, &slot| order << 3 | slot as u32);
+            }
+            // Those of empty children are NaN: let them be infinitely far.
+            let keys = keys.map(|key| if key.is_nan() { f32::INFINITY } else { key });
+            self.order[octant] = 0;
+            for (slot, key) in keys.iter().enumerate() {
+                let before = |&(other, than): &(usize, &f32)| than > key || (than == key && other < slot);
+                let rank = keys.iter().enumerate().filter(before).count();
+                self.order[octant] |= (slot << (3 * rank)) as u32;
+            }
         }
     }
 }

@@ -46,7 +46,8 @@ impl Bvh {
     pub fn build(mesh: &TriangleMesh, preset: BuildPreset) -> Result<Bvh> {
         let start = Instant::now();
         let binary = build::binary(mesh, preset);
-        let (nodes, blocks, root) = collapse::collapse(&binary, mesh);
+        let (mut nodes, blocks, root) = collapse::collapse(&binary, mesh);
+        nodes.iter_mut().for_each(Node::sort);
         let bvh = Bvh { nodes, blocks, root, id: BvhView::fresh_id(), build_time: start.elapsed() };
         let depth = bvh.depth();
         if depth > MAX_DEPTH {

@@ -1,15 +1,17 @@
 //! Many arbitrary rays on several threads.
 //!
 //! ```text
-//!   rays --chunks of 4096--> one origin?  no  -> one by one
-//!                              yes -> by face -> 256 at a time where they are close, else one by one
+//!   rays --chunks of 4096--> one origin?  no  -> in flights
+//!                              yes -> by face -> 256 at a time where they are close, else in flights
 //! ```
 //!
 //! A ray joins a packet only if the packet traces exactly that ray, so that the way it is traced never shows in the
 //! result.
 
 use super::Traversal;
-use crate::kernels::{Face, Hit, MISS, NodeRef, Ray, SUB, SUBS, TILE_RAYS, TileHits, TilePacket, TileScratch};
+use crate::kernels::{
+    Face, Flight, Hit, MISS, NodeRef, Ray, SUB, SUBS, TILE_RAYS, TileHits, TilePacket, TileScratch,
+};
 use std::sync::{Mutex, PoisonError};
 
 /// Rays that a thread takes at once.
@@ -37,9 +39,10 @@ impl Traversal<'_> {
                 self.intersect(packet, &mut scratch, &mut found);
                 members.iter().enumerate().for_each(|(i, &ray)| hits[ray as usize] = found.hit(i));
             };
-            for ray in packets(rays, packet) {
-                hits[ray as usize] = self.intersect_ray(&rays[ray as usize]);
-            }
+            let (single, numbers) = others(rays, packet);
+            let mut found = vec![Hit::MISS; single.len()];
+            self.intersect_each(&single, &mut Flight::default(), &mut found);
+            numbers.iter().zip(found).for_each(|(&ray, hit)| hits[ray as usize] = hit);
         });
     }
 
@@ -64,9 +67,10 @@ impl Traversal<'_> {
                     blocked[ray as usize] = (bits[i / SUB] >> (i % SUB) & 1) as u8;
                 }
             };
-            for ray in packets(rays, packet) {
-                blocked[ray as usize] = self.occluded_ray(&rays[ray as usize]).into();
-            }
+            let (single, numbers) = others(rays, packet);
+            let mut found = vec![false; single.len()];
+            self.occluded_each(&single, &mut Flight::default(), &mut found);
+            numbers.iter().zip(found).for_each(|(&ray, hit)| blocked[ray as usize] = hit.into());
         });
     }
 }
@@ -93,6 +97,12 @@ fn share<T: Send>(
             });
         }
     });
+}
+
+/// The rays that [`packets`] returns, and their numbers.
+fn others(rays: &[Ray], trace: impl FnMut(&TilePacket, &[u32])) -> (Vec<Ray>, Vec<u32>) {
+    let numbers = packets(rays, trace);
+    (numbers.iter().map(|&ray| rays[ray as usize]).collect(), numbers)
 }
 
 /// Hands those rays that may be traced together to `trace`, as packets with the number of each ray, and returns the

@@ -9,7 +9,9 @@ pub use stream::RayStream;
 
 use crate::{
     bvh::Bvh,
-    kernels::{BvhView, Hit, Kernels, NodeRef, Ray, SUB, SUBS, TILE_RAYS, TileHits, TilePacket, TileScratch},
+    kernels::{
+        BvhView, Flight, Hit, Kernels, NodeRef, Ray, SUB, SUBS, TILE_RAYS, TileHits, TilePacket, TileScratch,
+    },
 };
 use std::{fmt, str::FromStr};
 
@@ -109,6 +111,16 @@ impl<'a> Traversal<'a> {
     /// First hit of a single ray.
     pub fn intersect_ray(&self, ray: &Ray) -> Hit {
         self.kernels.intersect(&self.view, ray)
+    }
+
+    /// First hits of any rays, which need have nothing in common: quicker than one by one.
+    pub fn intersect_each(&self, rays: &[Ray], flight: &mut Flight, hits: &mut [Hit]) {
+        self.kernels.intersect_each(&self.view, rays, flight, hits);
+    }
+
+    /// Which of any rays, which need have nothing in common, are blocked.
+    pub fn occluded_each(&self, rays: &[Ray], flight: &mut Flight, blocked: &mut [bool]) {
+        self.kernels.occluded_each(&self.view, rays, flight, blocked);
     }
 
     /// First hits of at most 16 rays that should fly about the same way.

@@ -78,7 +78,7 @@ lanes! { Avx2, 8, __m256, __m256i, __m256;
         // Only the three lowest bits of each lane count.
         let from = _mm256_set1_epi32(FRONT[(bits & 255) as usize] as i32);
         let from = _mm256_srlv_epi32(from, _mm256_setr_epi32(0, 3, 6, 9, 12, 15, 18, 21));
-        _mm256_storeu_si256(to.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(a, from))
+        _mm256_storeu_si256(to.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(a, from));
     };
     ishrv(a: __m256i, b: __m256i) -> __m256i = _mm256_srlv_epi32(a, b);
     to_float(a: __m256i) -> __m256 = _mm256_cvtepi32_ps(a);

@@ -36,8 +36,8 @@ const WIDEN: f32 = 1.0 + 8.0 * f32::EPSILON;
 
 /// First hits of all rays.
 #[inline(always)]
-pub(crate) fn intersect<S: Simd>(s: S, bvh: &BvhView, flight: &mut Flight, rays: &[Ray], hits: &mut [Hit]) {
-    fly::<S, false>(s, bvh, flight, rays, &mut Hits(hits));
+pub(crate) fn intersect<S: Simd>(s: S, bvh: &BvhView, rays: &[Ray], flight: &mut Flight, hits: &mut [Hit]) {
+    fly::<S, false>(s, bvh, rays, flight, &mut Hits(hits));
 }
 
 /// Which rays hit anything.
@@ -45,11 +45,11 @@ pub(crate) fn intersect<S: Simd>(s: S, bvh: &BvhView, flight: &mut Flight, rays:
 pub(crate) fn occluded<S: Simd>(
     s: S,
     bvh: &BvhView,
-    flight: &mut Flight,
     rays: &[Ray],
+    flight: &mut Flight,
     blocked: &mut [bool],
 ) {
-    fly::<S, true>(s, bvh, flight, rays, &mut Blocked(blocked));
+    fly::<S, true>(s, bvh, rays, flight, &mut Blocked(blocked));
 }
 
 /// Where results go.
@@ -157,15 +157,15 @@ impl Queues {
 fn fly<S: Simd, const ANY: bool>(
     s: S,
     bvh: &BvhView,
-    flight: &mut Flight,
     rays: &[Ray],
+    flight: &mut Flight,
     landing: &mut impl Landing,
 ) {
     let flyers: &mut [Flyer; FLIGHT] = flight.flyers.as_mut_slice().try_into().expect("a flight is full");
     let mut waiting = 0;
     let mut queues = Queues::default();
     for flyer in 0..FLIGHT {
-        queues_start(bvh, &mut flyers[flyer], flyer as u8, rays, &mut waiting, landing, &mut queues);
+        start_next(bvh, &mut flyers[flyer], flyer as u8, rays, &mut waiting, landing, &mut queues);
     }
     loop {
         for at in 0..std::mem::take(&mut queues.inner.len) {
@@ -185,7 +185,7 @@ fn fly<S: Simd, const ANY: bool>(
             let flyer = queues.done.flyers[at % FLIGHT];
             let at = &mut flyers[usize::from(flyer) % FLIGHT];
             landing.land(bvh, at.number, &at.ray, &at.best);
-            queues_start(bvh, at, flyer, rays, &mut waiting, landing, &mut queues);
+            start_next(bvh, at, flyer, rays, &mut waiting, landing, &mut queues);
         }
         if queues.inner.len + queues.leafs.len + queues.done.len == 0 {
             return;
@@ -195,7 +195,7 @@ fn fly<S: Simd, const ANY: bool>(
 
 /// Sends the next valid ray off, if there is one.
 #[inline(always)]
-fn queues_start(
+fn start_next(
     bvh: &BvhView,
     flyer: &mut Flyer,
     index: u8,
@@ -281,8 +281,8 @@ impl Flyer {
             near = ((F8::load(s, near_plane) - org) * F8::splat(s, ray.rdir[axis])).max(near);
             far = ((F8::load(s, far_plane) - org) * F8::splat(s, self.far_rdir[axis])).min(far);
         }
-        let order = I32::splat(s, node.order[self.octant & 7])
-            .shr_by(I32::load(s, &[0, 3, 6, 9, 12, 15, 18, 21]));
+        let order =
+            I32::splat(s, node.order[self.octant & 7]).shr_by(I32::load(s, &[0, 3, 6, 9, 12, 15, 18, 21]));
         let (near, far) = (near.bits().permute(order).floats(), far.bits().permute(order).floats());
         let hit = near.le(far).bits();
         let children = I32::load(s, &node.child.map(NodeRef::raw)).permute(order);

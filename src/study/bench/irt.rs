@@ -3,7 +3,7 @@
 use super::{Engine, RaySet, timer::Mode};
 use crate::{
     bvh::Bvh,
-    kernels::{Hit, Kernels, MISS, NodeRef, SUB, TILE_RAYS, TileHits, TileScratch},
+    kernels::{Flight, Hit, Kernels, MISS, NodeRef, SUB, TILE_RAYS, TileHits, TileScratch},
     study::bench::rays::{Kind, Stream},
     trace::{KernelChoice, NO_OCCLUDER, PointShadows, RayStream, Traversal},
 };
@@ -23,7 +23,7 @@ pub(super) fn modes<'a>(bvh: &'a Bvh, kernels: Kernels, set: &'a RaySet) -> Vec<
         Kind::Shadow => modes.push(Box::new(Streams(common))),
         Kind::Mirror | Kind::Diffuse | Kind::CommonDirection => modes.push(Box::new(Sorted(common))),
     }
-    modes.push(Box::new(Single(common)));
+    modes.push(Box::new(Flights(common)));
     modes
 }
 
@@ -169,10 +169,10 @@ impl Mode for Sorted<'_> {
     }
 }
 
-/// One ray at a time.
-struct Single<'a>(Common<'a>);
+/// Rays that need have nothing in common.
+struct Flights<'a>(Common<'a>);
 
-impl Mode for Single<'_> {
+impl Mode for Flights<'_> {
     fn engine(&self) -> Engine {
         Engine::Irt
     }
@@ -182,7 +182,7 @@ impl Mode for Single<'_> {
     }
 
     fn kernel(&self) -> String {
-        "single".into()
+        "flight".into()
     }
 
     fn width(&self) -> usize {
@@ -195,16 +195,19 @@ impl Mode for Single<'_> {
 
     fn worker(&self) -> Box<dyn FnMut(usize) -> u64 + '_> {
         let occlusion = self.0.set.kind().occlusion();
-        let mut results = vec![Hit::MISS; UNIT];
+        let mut flight = Flight::default();
+        let mut hits = vec![Hit::MISS; UNIT];
+        let mut blocked = vec![false; UNIT];
         Box::new(move |unit| {
             let rays = self.0.set.rays().chunks(UNIT).nth(unit).unwrap_or_default();
             if occlusion {
-                return rays.iter().filter(|ray| self.0.traversal.occluded_ray(ray)).count() as u64;
+                let blocked = &mut blocked[..rays.len()];
+                self.0.traversal.occluded_each(rays, &mut flight, blocked);
+                return blocked.iter().filter(|&&blocked| blocked).count() as u64;
             }
-            for (ray, result) in rays.iter().zip(&mut results) {
-                *result = self.0.traversal.intersect_ray(ray);
-            }
-            results[..rays.len()].iter().filter(|hit| hit.prim != MISS).count() as u64
+            let hits = &mut hits[..rays.len()];
+            self.0.traversal.intersect_each(rays, &mut flight, hits);
+            hits.iter().filter(|hit| hit.prim != MISS).count() as u64
         })
     }
 }

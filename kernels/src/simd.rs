@@ -36,6 +36,13 @@ pub trait Lanes<const W: usize>: Copy + 'static {
     fn min(self, a: Self::F, b: Self::F) -> Self::F;
     /// `if a > b { a } else { b }`: the second operand if either is NaN.
     fn max(self, a: Self::F, b: Self::F) -> Self::F;
+    /// The greater of the two magnitudes; unspecified if either is NaN.
+    #[inline(always)]
+    fn max_abs(self, a: Self::F, b: Self::F) -> Self::F {
+        let magnitude = self.isplat(0x7fff_ffff);
+        let abs = |a| self.from_bits(self.iand(self.to_bits(a), magnitude));
+        self.max(abs(a), abs(b))
+    }
     /// a < b; false if either is NaN.
     fn lt(self, a: Self::F, b: Self::F) -> Self::M;
     /// a <= b; false if either is NaN.

@@ -80,6 +80,11 @@ impl<S: Lanes<W>, const W: usize> F32<S, W> {
     pub fn max(self, o: Self) -> Self {
         F32 { v: self.s.max(self.v, o.v), s: self.s }
     }
+    /// The greater of the two magnitudes; unspecified if either is NaN.
+    #[inline(always)]
+    pub fn max_abs(self, o: Self) -> Self {
+        F32 { v: self.s.max_abs(self.v, o.v), s: self.s }
+    }
     /// Square root.
     #[inline(always)]
     pub fn sqrt(self) -> Self {

@@ -29,6 +29,8 @@ lanes! { Avx512, 16, __m512, __m512i, __mmask16;
     mul_add(a: __m512, b: __m512, c: __m512) -> __m512 = _mm512_fmadd_ps(a, b, c);
     min(a: __m512, b: __m512) -> __m512 = _mm512_min_ps(a, b);
     max(a: __m512, b: __m512) -> __m512 = _mm512_max_ps(a, b);
+    // Selects the greater magnitude (3) and clears its sign (2 << 2).
+    max_abs(a: __m512, b: __m512) -> __m512 = _mm512_range_ps::<0b1011>(a, b);
     lt(a: __m512, b: __m512) -> __mmask16 = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b);
     le(a: __m512, b: __m512) -> __mmask16 = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b);
     select(m: __mmask16, a: __m512, b: __m512) -> __m512 = _mm512_mask_blend_ps(m, b, a);
@@ -71,6 +73,8 @@ lanes! { Avx512, 8, __m256, __m256i, __mmask8;
     mul_add(a: __m256, b: __m256, c: __m256) -> __m256 = _mm256_fmadd_ps(a, b, c);
     min(a: __m256, b: __m256) -> __m256 = _mm256_min_ps(a, b);
     max(a: __m256, b: __m256) -> __m256 = _mm256_max_ps(a, b);
+    // Selects the greater magnitude (3) and clears its sign (2 << 2).
+    max_abs(a: __m256, b: __m256) -> __m256 = _mm256_range_ps::<0b1011>(a, b);
     lt(a: __m256, b: __m256) -> __mmask8 = _mm256_cmp_ps_mask::<_CMP_LT_OQ>(a, b);
     le(a: __m256, b: __m256) -> __mmask8 = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(a, b);
     select(m: __mmask8, a: __m256, b: __m256) -> __m256 = _mm256_mask_blend_ps(m, b, a);

@@ -25,8 +25,9 @@ use crate::{
     simd::Simd,
     vector::I32,
 };
-/// Rays on their way at once; at most 256.
-const FLIGHT: usize = 16;
+/// Rays on their way at once. With more, branches at the ends of loops are mispredicted less often; with many more,
+/// their stacks crowd the cache.
+const FLIGHT: usize = 32;
 /// Entries that may be written above the last one.
 const SLACK: usize = 8;
 /// Cache lines of what is visited next that are fetched ahead.
@@ -118,38 +119,31 @@ impl Default for Flight {
     }
 }
 
-/// A set of flyers. What is taken out may go back in: as long as no more than was taken, it stays behind the reader.
+/// What the rays wait for, each a set: bit = flyer. Sets in registers, because a queue in memory would make each step
+/// wait for the one before it.
 #[derive(Default)]
-struct Queue {
-    flyers: [u8; FLIGHT],
-    len: usize,
+struct Waiting {
+    inner: u32,
+    leafs: u32,
+    done: u32,
 }
 
-impl Queue {
-    /// Adds a flyer if `wanted`.
+impl Waiting {
     #[inline(always)]
-    fn push_if(&mut self, flyer: u8, wanted: bool) {
-        self.flyers[self.len % FLIGHT] = flyer;
-        self.len += usize::from(wanted);
+    fn push(&mut self, flyer: usize, next: NodeRef) {
+        let (leaf, done) = (u32::from(next.is_leaf()), u32::from(next == EMPTY_NODE));
+        self.leafs |= leaf << flyer;
+        self.done |= done << flyer;
+        self.inner |= (1 ^ leaf ^ done) << flyer;
     }
 }
 
-/// Flyers by what they wait for.
-#[derive(Default)]
-struct Queues {
-    inner: Queue,
-    leafs: Queue,
-    done: Queue,
-}
-
-impl Queues {
-    #[inline(always)]
-    fn push(&mut self, flyer: u8, next: NodeRef) {
-        let (leaf, done) = (next.is_leaf(), next == EMPTY_NODE);
-        self.leafs.push_if(flyer, leaf);
-        self.done.push_if(flyer, done);
-        self.inner.push_if(flyer, !leaf & !done);
-    }
+/// Removes the lowest bit and returns its number.
+#[inline(always)]
+fn take_first(bits: &mut u32) -> usize {
+    let first = bits.trailing_zeros() as usize % FLIGHT;
+    *bits &= *bits - 1;
+    first
 }
 
 /// Traces all rays.
@@ -162,57 +156,34 @@ fn fly<S: Simd, const ANY: bool>(
     landing: &mut impl Landing,
 ) {
     let flyers: &mut [Flyer; FLIGHT] = flight.flyers.as_mut_slice().try_into().expect("a flight is full");
-    let mut waiting = 0;
-    let mut queues = Queues::default();
-    for flyer in 0..FLIGHT {
-        start_next(bvh, &mut flyers[flyer], flyer as u8, rays, &mut waiting, landing, &mut queues);
-    }
-    loop {
-        for at in 0..std::mem::take(&mut queues.inner.len) {
-            let flyer = queues.inner.flyers[at % FLIGHT];
-            let next = flyers[usize::from(flyer) % FLIGHT].inner(s, bvh);
-            queues.push(flyer, next);
+    let mut fresh = 0;
+    let mut waiting = Waiting::default();
+    for (flyer, at) in flyers.iter_mut().enumerate() {
+        if let Some(next) = at.start_next(bvh, rays, &mut fresh, landing) {
+            waiting.push(flyer, next);
         }
-        if queues.inner.len > queues.leafs.len + queues.done.len {
+    }
+    while waiting.inner | waiting.leafs | waiting.done != 0 {
+        let mut inner = std::mem::take(&mut waiting.inner);
+        while inner != 0 {
+            let flyer = take_first(&mut inner);
+            waiting.push(flyer, flyers[flyer].inner(s, bvh));
+        }
+        if waiting.inner.count_ones() > (waiting.leafs | waiting.done).count_ones() {
             continue;
         }
-        for at in 0..std::mem::take(&mut queues.leafs.len) {
-            let flyer = queues.leafs.flyers[at % FLIGHT];
-            let next = flyers[usize::from(flyer) % FLIGHT].leaf::<S, ANY>(s, bvh);
-            queues.push(flyer, next);
+        let mut leafs = std::mem::take(&mut waiting.leafs);
+        while leafs != 0 {
+            let flyer = take_first(&mut leafs);
+            waiting.push(flyer, flyers[flyer].leaf::<S, ANY>(s, bvh));
         }
-        for at in 0..std::mem::take(&mut queues.done.len) {
-            let flyer = queues.done.flyers[at % FLIGHT];
-            let at = &mut flyers[usize::from(flyer) % FLIGHT];
+        let mut done = std::mem::take(&mut waiting.done);
+        while done != 0 {
+            let flyer = take_first(&mut done);
+            let at = &mut flyers[flyer];
             landing.land(bvh, at.number, &at.ray, &at.best);
-            start_next(bvh, at, flyer, rays, &mut waiting, landing, &mut queues);
-        }
-        if queues.inner.len + queues.leafs.len + queues.done.len == 0 {
-            return;
-        }
-    }
-}
-
-/// Sends the next valid ray off, if there is one.
-#[inline(always)]
-fn start_next(
-    bvh: &BvhView,
-    flyer: &mut Flyer,
-    index: u8,
-    rays: &[Ray],
-    waiting: &mut usize,
-    landing: &mut impl Landing,
-    queues: &mut Queues,
-) {
-    while *waiting < rays.len() {
-        let number = *waiting;
-        *waiting += 1;
-        match TravRay::new(&rays[number]) {
-            None => landing.land_invalid(number),
-            Some(ray) => {
-                let next = flyer.start(bvh, ray, number);
-                queues.push(index, next);
-                return;
+            if let Some(next) = at.start_next(bvh, rays, &mut fresh, landing) {
+                waiting.push(flyer, next);
             }
         }
     }
@@ -230,6 +201,26 @@ impl Flyer {
         nodes: [0; STACK + SLACK],
         nears: [0; STACK + SLACK],
     };
+
+    /// Puts the next valid ray on its way, if there is one.
+    #[inline(always)]
+    fn start_next(
+        &mut self,
+        bvh: &BvhView,
+        rays: &[Ray],
+        fresh: &mut usize,
+        landing: &mut impl Landing,
+    ) -> Option<NodeRef> {
+        while *fresh < rays.len() {
+            let number = *fresh;
+            *fresh += 1;
+            match TravRay::new(&rays[number]) {
+                None => landing.land_invalid(number),
+                Some(ray) => return Some(self.start(bvh, ray, number)),
+            }
+        }
+        None
+    }
 
     /// Puts a ray on its way.
     #[inline(always)]

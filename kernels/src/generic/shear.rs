@@ -5,11 +5,12 @@
 //!
 //! # Error bounds
 //!
-//! With e = 2^-24: a sheared coordinate x is off by 3 e Mx, where Mx is at least the sum of magnitudes |x| + |z| of the
-//! vertex, and a determinant of sheared coordinates up to X and Y by 10 e (X My + Y Mx). `bound` is 16 e of that, and
-//! large enough where X or Y is lost in rounding. Where all three determinants have one sign beyond doubt, errors in
-//! the weights move the depth by at most 3 `bound` (z1 - z0) / |det| between the least and greatest corner depth, and
-//! rounding by 6 e times the greatest magnitude of those; 8 e is allowed.
+//! With e = 2^-24, fused or not: a sheared coordinate x is off by 3 e Mx, where Mx is at least the sum of magnitudes
+//! |x| + |z| of the vertex, and a determinant of sheared coordinates up to X and Y by 10 e (X My + Y Mx). That is at
+//! most 20 e (X + Y) M with M the greatest magnitude of any component. `bound` is 32 e of it, and large enough where X
+//! or Y is lost in rounding. Where all three determinants have one sign beyond doubt, errors in the weights move the
+//! depth by at most 3 `bound` (z1 - z0) / |det| between the least and greatest corner depth, and rounding by 6 e times
+//! the greatest magnitude of those; 8 e is allowed.
 
 use super::leaf::TINY;
 use crate::{simd::Lanes, vector::F32};
@@ -36,24 +37,20 @@ pub(super) fn sheared<S: Lanes<W>, const W: usize>(
     far: F32<S, W>,
 ) -> Sheared<S, W> {
     let zero = F32::splat(s, 0.0);
-    let (mut xs, mut ys) = ([zero; 3], [zero; 3]);
-    let (mut most_x, mut most_y, mut size_x, mut size_y) = (zero, zero, zero, zero);
+    let (mut xs, mut ys, mut most) = ([zero; 3], [zero; 3], [zero; 3]);
     for i in 0..3 {
         let [x, y, z] = corners[i];
-        xs[i] = x - slopes[0] * z;
-        ys[i] = y - slopes[1] * z;
-        most_x = most_x.max(x.abs() + z.abs());
-        most_y = most_y.max(y.abs() + z.abs());
-        size_x = size_x.max(xs[i].abs());
-        size_y = size_y.max(ys[i].abs());
+        xs[i] = z.mul_add(-slopes[0], x);
+        ys[i] = z.mul_add(-slopes[1], y);
+        most[i] = x.max_abs(y).max_abs(z);
     }
-    let e0 = xs[1] * ys[2] - ys[1] * xs[2];
-    let e1 = xs[2] * ys[0] - ys[2] * xs[0];
-    let e2 = xs[0] * ys[1] - ys[0] * xs[1];
-    let ulp = F32::splat(s, f32::EPSILON);
-    let size_x = size_x + ulp * most_x;
-    let size_y = size_y + ulp * most_y;
-    let bound = F32::splat(s, 8.0) * ulp * (size_x * most_y + size_y * most_x) + F32::splat(s, TINY);
+    let e0 = xs[1].mul_add(ys[2], -(ys[1] * xs[2]));
+    let e1 = xs[2].mul_add(ys[0], -(ys[2] * xs[0]));
+    let e2 = xs[0].mul_add(ys[1], -(ys[0] * xs[1]));
+    let most = most[0].max(most[1]).max(most[2]);
+    let size = xs[0].max_abs(xs[1]).max_abs(xs[2]) + ys[0].max_abs(ys[1]).max_abs(ys[2]);
+    let size = most.mul_add(F32::splat(s, 4.0 * f32::EPSILON), size);
+    let bound = (size * most).mul_add(F32::splat(s, 16.0 * f32::EPSILON), F32::splat(s, TINY));
     let (least, most) = (e0.min(e1).min(e2), e0.max(e1).max(e2));
     let outside = least.lt(-bound) & bound.lt(most);
     let [z0, z1, z2] = [corners[0][2], corners[1][2], corners[2][2]];

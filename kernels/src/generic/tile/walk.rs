@@ -1,6 +1,6 @@
 //! Walking the tree: which children anyone has to visit, nearest first.
 
-use super::{State, scratch::LeafCache, triangles::leaf};
+use super::{State, scratch::LeafCache, triangles::{list, work_off}};
 use crate::{
     generic::{F8, F16, stack::Stack},
     node::{BvhView, EMPTY_NODE, Node, NodeRef},
@@ -32,7 +32,7 @@ impl Planes {
     pub(super) const EMPTY: Planes = Planes { x: [[0.0; 8]; 2], y: [[0.0; 8]; 2], z: [[0.0; 8]; 2] };
 }
 
-/// Walks the tree from `root`; returns the leaf that decided a ray last ([`EMPTY_NODE`] if none did).
+/// Walks the tree from `root`.
 #[inline(always)]
 pub(super) fn traverse<S: Simd, const ANY: bool>(
     s: S,
@@ -41,25 +41,35 @@ pub(super) fn traverse<S: Simd, const ANY: bool>(
     state: &mut State,
     leaves: &mut LeafCache,
     root: NodeRef,
-) -> NodeRef {
-    let mut last = EMPTY_NODE;
+) {
     if root == EMPTY_NODE || state.live_subs == 0 {
-        return last;
+        return;
     }
     let mut stack = Stack::new();
     let mut entry = Entry { node: root, subs: state.live_subs, near: 0.0 };
+    if root.is_leaf() {
+        list::<S, ANY>(s, bvh, packet, state, leaves, root, entry.subs);
+        work_off::<S, ANY>(s, bvh, packet, state, leaves);
+        return;
+    }
     loop {
-        if entry.node.is_leaf() {
-            last = leaf::<S, ANY>(s, bvh, packet, state, leaves, entry.node, entry.subs, last);
+        let bottom = stack.len();
+        children::<S, ANY>(s, bvh, packet, state, leaves, &mut stack, entry);
+        if !state.batch.is_empty() && (!ANY || stack.len() == 0 || state.batch.is_enough()) {
+            work_off::<S, ANY>(s, bvh, packet, state, leaves);
             if ANY && state.live_subs == 0 {
-                return last;
+                return;
             }
-        } else if children(s, bvh, state, leaves, &mut stack, &mut entry) {
-            continue;
+        } else if stack.len() > bottom {
+            // Nothing has changed since the nearest child was pushed.
+            if let Some(nearest) = stack.pop() {
+                entry = nearest;
+                continue;
+            }
         }
         loop {
             match stack.pop() {
-                None => return last,
+                None => return,
                 Some(next) => entry = next,
             }
             entry.subs = state.interested(s, entry.near, entry.subs);
@@ -70,48 +80,59 @@ pub(super) fn traverse<S: Simd, const ANY: bool>(
     }
 }
 
-/// Tests a node's children; pushes all that anyone must visit but the nearest, which becomes `next`. False if there
-/// is none.
+/// Tests a node's children: lists the triangles of leaves, pushes inner nodes, the nearest last.
 #[inline(always)]
-fn children<S: Simd>(
+fn children<S: Simd, const ANY: bool>(
     s: S,
     bvh: &BvhView,
+    packet: &TilePacket,
     state: &mut State,
-    leaves: &LeafCache,
+    leaves: &mut LeafCache,
     stack: &mut Stack<Entry>,
-    next: &mut Entry,
-) -> bool {
-    let node = &bvh.nodes[next.node.index()];
-    let subs = next.subs;
-    let mut left = tile_test(s, node, state);
+    entry: Entry,
+) {
+    let node = &bvh.nodes[entry.node.index()];
+    let left = tile_test(s, node, state);
+    let is_leaf = node.leaves(s);
+    let mut left_leaves = left & is_leaf;
+    let mut left_nodes = left & !is_leaf;
+    fetch_blocks(s, bvh, leaves, node, left_leaves);
     let bottom = stack.len();
-    while left != 0 {
-        let child = (left.trailing_zeros() & 7) as usize;
-        left &= left - 1;
-        let wanted = sub_test(s, child, state) & subs;
+    while left_nodes != 0 {
+        let child = (left_nodes.trailing_zeros() & 7) as usize;
+        left_nodes &= left_nodes - 1;
+        let wanted = sub_test(s, child, state) & entry.subs;
         if wanted != 0 {
             let near = state.planes.z[0][child];
-            fetch(s, bvh, leaves, node.child[child]);
+            fetch(s, bvh, node.child[child]);
             stack.insert(bottom, Entry { node: node.child[child], subs: wanted, near }, |e| e.near < near);
         }
     }
-    if stack.len() == bottom {
-        return false;
+    while left_leaves != 0 {
+        let child = (left_leaves.trailing_zeros() & 7) as usize;
+        left_leaves &= left_leaves - 1;
+        let wanted = sub_test(s, child, state) & entry.subs;
+        if wanted != 0 {
+            list::<S, ANY>(s, bvh, packet, state, leaves, node.child[child], wanted);
+        }
     }
-    match stack.pop() {
-        Some(nearest) => *next = nearest,
-        None => return false,
-    }
-    true
 }
 
-/// Asks for what visiting a child will need.
+/// Asks for an inner node, because it will be visited.
 #[inline(always)]
-fn fetch<S: Simd>(s: S, bvh: &BvhView, leaves: &LeafCache, child: NodeRef) {
-    if !child.is_leaf() {
-        s.prefetch(&bvh.nodes[child.index()]);
-    } else if !leaves.has(child.block()) {
-        s.prefetch(&bvh.blocks[child.block()]);
+fn fetch<S: Simd>(s: S, bvh: &BvhView, child: NodeRef) {
+    s.prefetch(&bvh.nodes[child.index()]);
+}
+
+/// Asks for the triangles of leaves that are not set up.
+#[inline(always)]
+fn fetch_blocks<S: Simd>(s: S, bvh: &BvhView, leaves: &LeafCache, node: &Node, mut children: u32) {
+    while children != 0 {
+        let block = node.child[(children.trailing_zeros() & 7) as usize].block();
+        children &= children - 1;
+        if !leaves.has(block) {
+            s.prefetch(&bvh.blocks[block]);
+        }
     }
 }
 

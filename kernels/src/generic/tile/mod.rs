@@ -103,7 +103,7 @@ pub(crate) fn occluded<S: Simd>(
     leaves.begin(bvh, packet);
     if *seed != EMPTY_NODE && seed.block() < bvh.blocks.len() {
         let subs = state.live_subs;
-        triangles::list::<S, true>(s, bvh, packet, state, leaves, *seed, subs);
+        triangles::list(s, bvh, state, leaves, *seed, subs);
         triangles::work_off::<S, true>(s, bvh, packet, state, leaves);
     }
     walk::traverse::<S, true>(s, bvh, packet, state, leaves, bvh.root);

@@ -29,8 +29,8 @@ use crate::{
 
 /// With so many triangles listed, an occlusion query works the list off.
 const ENOUGH: usize = 16;
-/// Room for triangles: appending writes eight at once, whatever counts of them.
-const TRIANGLES: usize = ENOUGH + 8 * 8;
+/// Room for that, another eight leaves, and one more, because appending writes eight at once, whatever counts of them.
+const TRIANGLES: usize = ENOUGH + 8 * 8 + 8;
 
 /// Triangles to be tested, and pairs of a triangle and a sub-packet.
 #[derive(Clone, Debug)]
@@ -59,12 +59,6 @@ impl Batch {
         self.len >= ENOUGH
     }
 
-    /// True if another leaf may not fit.
-    #[inline(always)]
-    fn is_full(&self) -> bool {
-        self.len > TRIANGLES - 8
-    }
-
     /// The triangles `lanes` of block `index`, reached by `subs`.
     #[inline(always)]
     fn append<S: Simd>(&mut self, s: S, index: usize, lanes: u32, subs: u32) {
@@ -81,21 +75,17 @@ impl Batch {
     }
 }
 
-/// Lists the triangles of a leaf that the tile may meet.
+/// Lists the triangles of a leaf that the tile may meet. The leaf is not in the way of another (see [`LeafCache`]).
 #[inline(always)]
-pub(super) fn list<S: Simd, const ANY: bool>(
+pub(super) fn list<S: Simd>(
     s: S,
     bvh: &BvhView,
-    packet: &TilePacket,
     state: &mut State,
     leaves: &mut LeafCache,
     node: NodeRef,
     subs: u32,
 ) {
     let index = node.block();
-    if state.batch.is_full() || leaves.is_in_the_way(index) {
-        work_off::<S, ANY>(s, bvh, packet, state, leaves);
-    }
     let planes = leaves.get(s, bvh, &state.frame, index);
     let lanes = planes.within(s, state.tile_u, state.tile_v, state.tile_reach) & node.lanes();
     state.batch.append(s, index, lanes, subs);
@@ -124,14 +114,15 @@ pub(super) fn work_off<S: Simd, const ANY: bool>(
     }
     state.batch.len = 0;
     leaves.release();
-    let mut touched = 0;
+    let (mut touched, mut last) = (0, state.last);
     for at in 0..pairs {
         let pair = state.batch.pairs[at] as usize;
         let (slot, sub) = (state.batch.slots[pair / SUBS % TRIANGLES], pair % SUBS);
         let decided = test::<S, ANY>(s, bvh, packet, state, leaves.at(slot), slot, sub);
         touched |= u32::from(decided) << sub;
-        state.last = if decided { slot } else { state.last };
+        last = if decided { slot } else { last };
     }
+    state.last = last;
     if touched != 0 {
         refresh::<S, ANY>(s, state, touched);
     }

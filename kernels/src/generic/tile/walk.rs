@@ -46,51 +46,56 @@ pub(super) fn traverse<S: Simd, const ANY: bool>(
         return;
     }
     let mut stack = Stack::new();
-    let mut entry = Entry { node: root, subs: state.live_subs, near: 0.0 };
-    if root.is_leaf() {
-        list::<S, ANY>(s, bvh, packet, state, leaves, root, entry.subs);
-        work_off::<S, ANY>(s, bvh, packet, state, leaves);
-        return;
-    }
+    stack.push(Entry { node: root, subs: state.live_subs, near: 0.0 });
     loop {
-        let bottom = stack.len();
-        children::<S, ANY>(s, bvh, packet, state, leaves, &mut stack, entry);
-        if !state.batch.is_empty() && (!ANY || stack.len() == 0 || state.batch.is_enough()) {
+        let entry = next(s, state, &mut stack);
+        // Whether what is listed must be tested now.
+        let mut now = !ANY;
+        match entry {
+            None => now = true,
+            Some(entry) if entry.node.is_leaf() => {
+                list(s, bvh, state, leaves, entry.node, entry.subs);
+                now = true;
+            }
+            Some(entry) => now |= children(s, bvh, state, leaves, &mut stack, entry),
+        }
+        if state.batch.is_empty() {
+            leaves.release();
+        } else if now || state.batch.is_enough() {
             work_off::<S, ANY>(s, bvh, packet, state, leaves);
             if ANY && state.live_subs == 0 {
                 return;
             }
-        } else if stack.len() > bottom {
-            // Nothing has changed since the nearest child was pushed.
-            if let Some(nearest) = stack.pop() {
-                entry = nearest;
-                continue;
-            }
         }
-        loop {
-            match stack.pop() {
-                None => return,
-                Some(next) => entry = next,
-            }
-            entry.subs = state.interested(s, entry.near, entry.subs);
-            if entry.subs != 0 {
-                break;
-            }
+        if entry.is_none() {
+            return;
         }
     }
 }
 
-/// Tests a node's children: lists the triangles of leaves, pushes inner nodes, the nearest last.
+/// The next subtree that anyone must visit.
 #[inline(always)]
-fn children<S: Simd, const ANY: bool>(
+fn next<S: Simd>(s: S, state: &State, stack: &mut Stack<Entry>) -> Option<Entry> {
+    loop {
+        let mut entry = stack.pop()?;
+        entry.subs = state.interested(s, entry.near, entry.subs);
+        if entry.subs != 0 {
+            return Some(entry);
+        }
+    }
+}
+
+/// Tests a node's children: lists the triangles of leaves, pushes inner nodes, the nearest last. True if a leaf had
+/// to be pushed, because its set-up would replace one that is still needed.
+#[inline(always)]
+fn children<S: Simd>(
     s: S,
     bvh: &BvhView,
-    packet: &TilePacket,
     state: &mut State,
     leaves: &mut LeafCache,
     stack: &mut Stack<Entry>,
     entry: Entry,
-) {
+) -> bool {
     let node = &bvh.nodes[entry.node.index()];
     let left = tile_test(s, node, state);
     let is_leaf = node.leaves(s);
@@ -108,14 +113,22 @@ fn children<S: Simd, const ANY: bool>(
             stack.insert(bottom, Entry { node: node.child[child], subs: wanted, near }, |e| e.near < near);
         }
     }
+    let mut pushed = false;
     while left_leaves != 0 {
         let child = (left_leaves.trailing_zeros() & 7) as usize;
         left_leaves &= left_leaves - 1;
-        let wanted = sub_test(s, child, state) & entry.subs;
-        if wanted != 0 {
-            list::<S, ANY>(s, bvh, packet, state, leaves, node.child[child], wanted);
+        let (node, subs) = (node.child[child], sub_test(s, child, state) & entry.subs);
+        if subs == 0 {
+            continue;
+        }
+        if leaves.is_in_the_way(node.block()) {
+            stack.push(Entry { node, subs, near: state.planes.z[0][child] });
+            pushed = true;
+        } else {
+            list(s, bvh, state, leaves, node, subs);
         }
     }
+    pushed
 }
 
 /// Asks for an inner node, because it will be visited.

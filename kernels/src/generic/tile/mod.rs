@@ -19,6 +19,7 @@
 //! z0 * inverse_depth <= 1, where the inverse depth is a lower bound of the best hit's: the same argument holds.
 
 mod block;
+mod ends;
 mod scratch;
 mod triangles;
 mod walk;
@@ -32,6 +33,7 @@ use crate::{
     simd::Simd,
     vector::{I32, Mask},
 };
+use ends::Ends;
 use triangles::Batch;
 use walk::Planes;
 
@@ -56,6 +58,8 @@ struct State {
     /// Working space of `walk` and `triangles`.
     planes: Planes,
     batch: Batch,
+    /// For occlusion.
+    ends: Ends,
     /// Slot of the triangle that decided a ray last.
     last: u32,
     /// Rays still to be decided.
@@ -100,6 +104,7 @@ pub(crate) fn occluded<S: Simd>(
 ) {
     let TileScratch { state, leaves, .. } = scratch;
     state.begin(s, packet);
+    state.lay_ends(s, packet);
     leaves.begin(bvh, packet);
     if *seed != EMPTY_NODE && seed.block() < bvh.blocks.len() {
         let subs = state.live_subs;
@@ -123,6 +128,7 @@ impl State {
         reach: [0.0; SUBS],
         planes: Planes::EMPTY,
         batch: Batch::NONE,
+        ends: Ends::NONE,
         last: NO_SLOT,
         live: [0; SUBS],
         live_subs: 0,

@@ -105,7 +105,7 @@ pub(super) fn work_off<S: Simd, const ANY: bool>(
     let mut pairs = 0;
     for at in 0..state.batch.len.min(TRIANGLES) {
         let slot = state.batch.slots[at];
-        let met = sub_packets(s, leaves.at(slot), slot as usize & 7, state) & state.batch.subs[at];
+        let met = sub_packets::<S, ANY>(s, leaves.at(slot), slot as usize & 7, state) & state.batch.subs[at];
         let numbers = numbers + I32::splat(s, (at * SUBS) as u32);
         if let Some((room, _)) = state.batch.pairs[pairs..].split_first_chunk_mut() {
             numbers.compress(met, room);
@@ -130,18 +130,21 @@ pub(super) fn work_off<S: Simd, const ANY: bool>(
 
 /// Sub-packets that triangle `lane` may meet; lane = sub-packet.
 #[inline(always)]
-fn sub_packets<S: Simd>(s: S, planes: &BlockPlanes, lane: usize, state: &State) -> u32 {
+fn sub_packets<S: Simd, const ANY: bool>(s: S, planes: &BlockPlanes, lane: usize, state: &State) -> u32 {
     let (u, v) = (&state.u, &state.v);
     let [[u_least, u_most], [v_least, v_most]] = &planes.extent;
     let mut inside = F16::splat(s, u_least[lane]).le(F16::load(s, &u[1]));
     inside = inside & F16::load(s, &u[0]).le(F16::splat(s, u_most[lane]));
     inside = inside & F16::splat(s, v_least[lane]).le(F16::load(s, &v[1]));
     inside = inside & F16::load(s, &v[0]).le(F16::splat(s, v_most[lane]));
-    inside = inside & F16::load(s, &state.reach).le(planes.greatest(s, DEPTH, lane, u, v));
+    if !ANY {
+        inside = inside & F16::load(s, &state.reach).le(planes.greatest(s, DEPTH, lane, u, v));
+    }
     for i in 0..DEPTH {
         inside = inside & F16::splat(s, 0.0).le(planes.greatest(s, i, lane, u, v));
     }
-    inside.bits()
+    let ends = if ANY { state.ends.behind(s, planes, lane) } else { u32::MAX };
+    inside.bits() & ends
 }
 
 /// Tests the rays of a sub-packet against the triangle in `slot`; true if any was decided.

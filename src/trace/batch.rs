@@ -9,7 +9,9 @@
 //! result.
 
 use super::Traversal;
-use crate::kernels::{Face, Hit, MISS, NodeRef, Ray, SUB, SUBS, TILE_RAYS, TileHits, TilePacket, TileScratch};
+use crate::kernels::{
+    Face, Hit, MISS, NodeRef, Ray, SUB, SUBS, TILE_RAYS, TileHits, TilePacket, TileScratch,
+};
 use std::sync::{Mutex, PoisonError};
 
 /// Rays that a thread takes at once.

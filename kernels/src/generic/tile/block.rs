@@ -48,13 +48,6 @@ impl BlockPlanes {
         F16::splat(s, x[lane]).mul_add(u, inner)
     }
 
-    /// Coefficients of the inverse depth of triangle `lane`.
-    #[inline(always)]
-    pub(super) fn depth<S: Simd>(&self, s: S, lane: usize) -> [F16<S>; 3] {
-        let [x, y, z] = &self.f[DEPTH];
-        [F16::splat(s, x[lane]), F16::splat(s, y[lane]), F16::splat(s, z[lane])]
-    }
-
     /// Greatest value of function `i` of triangle `lane` over rectangles of slopes.
     #[inline(always)]
     pub(super) fn greatest<S: Simd>(

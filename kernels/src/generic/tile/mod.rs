@@ -19,7 +19,7 @@
 //! z0 * inverse_depth <= 1, where the inverse depth is a lower bound of the best hit's: the same argument holds.
 
 mod block;
-mod ends;
+mod boxes;
 mod scratch;
 mod triangles;
 mod walk;
@@ -33,9 +33,8 @@ use crate::{
     simd::Simd,
     vector::{I32, Mask},
 };
-use ends::Ends;
+use boxes::Boxes;
 use triangles::Batch;
-use walk::Planes;
 
 /// Sixteen floats for each sub-packet: one per ray.
 type Rays = [[f32; 16]; SUBS];
@@ -56,10 +55,8 @@ struct State {
     /// Least `lo` of each sub-packet: no ray of it needs anything farther.
     reach: [f32; SUBS],
     /// Working space of `walk` and `triangles`.
-    planes: Planes,
+    boxes: Boxes,
     batch: Batch,
-    /// For occlusion.
-    ends: Ends,
     /// Slot of the triangle that decided a ray last.
     last: u32,
     /// Rays still to be decided.
@@ -104,7 +101,6 @@ pub(crate) fn occluded<S: Simd>(
 ) {
     let TileScratch { state, leaves, .. } = scratch;
     state.begin(s, packet);
-    state.lay_ends(s, packet);
     leaves.begin(bvh, packet);
     if *seed != EMPTY_NODE && seed.block() < bvh.blocks.len() {
         let subs = state.live_subs;
@@ -126,9 +122,8 @@ impl State {
         u: [[0.0; SUBS]; 2],
         v: [[0.0; SUBS]; 2],
         reach: [0.0; SUBS],
-        planes: Planes::EMPTY,
+        boxes: Boxes::NONE,
         batch: Batch::NONE,
-        ends: Ends::NONE,
         last: NO_SLOT,
         live: [0; SUBS],
         live_subs: 0,

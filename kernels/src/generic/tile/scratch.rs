@@ -33,7 +33,11 @@ pub struct TileScratch {
 impl TileScratch {
     /// Nothing remembered.
     pub fn new() -> TileScratch {
-        TileScratch { state: Box::new(State::EMPTY), leaves: LeafCache::new(), planes: Box::new(Planes::new()) }
+        TileScratch {
+            state: Box::new(State::EMPTY),
+            leaves: LeafCache::new(),
+            planes: Box::new(Planes::new()),
+        }
     }
 }
 

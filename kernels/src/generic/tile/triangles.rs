@@ -31,6 +31,10 @@ use crate::{
 const ENOUGH: usize = 16;
 /// Room for that, another eight leaves, and one more, because appending writes eight at once, whatever counts of them.
 const TRIANGLES: usize = ENOUGH + 8 * 8 + 8;
+/// Room for pairs: of those triangles with all sub-packets, and of leaves that few sub-packets reached.
+const PAIRS: usize = (TRIANGLES + 1) * SUBS + 4 * ENOUGH + 8 * 8 * FEW as usize;
+/// So few sub-packets are tested against a leaf's triangles one by one, lane = triangle.
+pub(super) const FEW: u32 = 4;
 
 /// Triangles to be tested, and pairs of a triangle and a sub-packet.
 #[derive(Clone, Debug)]
@@ -41,22 +45,23 @@ pub(super) struct Batch {
     /// The sub-packets that reached the leaf of each.
     subs: [u32; TRIANGLES],
     len: usize,
-    /// Place in `slots` * 16 + sub-packet.
-    pairs: [u32; (TRIANGLES + 1) * SUBS],
+    /// Slot * 16 + sub-packet.
+    pairs: [u32; PAIRS],
+    paired: usize,
 }
 
 impl Batch {
     pub(super) const NONE: Batch =
-        Batch { slots: [0; TRIANGLES], subs: [0; TRIANGLES], len: 0, pairs: [0; (TRIANGLES + 1) * SUBS] };
+        Batch { slots: [0; TRIANGLES], subs: [0; TRIANGLES], len: 0, pairs: [0; PAIRS], paired: 0 };
 
     #[inline(always)]
     pub(super) fn is_empty(&self) -> bool {
-        self.len == 0
+        self.len + self.paired == 0
     }
 
     #[inline(always)]
     pub(super) fn is_enough(&self) -> bool {
-        self.len >= ENOUGH
+        self.len + self.paired / 4 >= ENOUGH
     }
 
     /// The triangles `lanes` of block `index`, reached by `subs`.
@@ -73,6 +78,17 @@ impl Batch {
         }
         self.len = at + lanes.count_ones() as usize;
     }
+
+    /// The triangles `lanes` of block `index`, each with `sub`.
+    #[inline(always)]
+    fn pair<S: Simd>(&mut self, s: S, index: usize, lanes: u32, sub: usize) {
+        const LANES: [u32; 8] = [0, 16, 32, 48, 64, 80, 96, 112];
+        let pairs = I32::<S, 8>::load(s, &LANES) + I32::splat(s, (index * 8 * SUBS + sub) as u32);
+        if let Some((room, _)) = self.pairs[self.paired..].split_first_chunk_mut() {
+            pairs.compress(lanes, room);
+        }
+        self.paired += lanes.count_ones() as usize;
+    }
 }
 
 /// Lists the triangles of a leaf that the tile may meet. The leaf is not in the way of another (see [`LeafCache`]).
@@ -87,8 +103,19 @@ pub(super) fn list<S: Simd>(
 ) {
     let index = node.block();
     let planes = leaves.get(s, bvh, &state.frame, index);
-    let lanes = planes.within(s, state.tile_u, state.tile_v, state.tile_reach) & node.lanes();
-    state.batch.append(s, index, lanes, subs);
+    if subs.count_ones() > FEW {
+        let lanes = planes.within(s, state.tile_u, state.tile_v, state.tile_reach) & node.lanes();
+        state.batch.append(s, index, lanes, subs);
+        return;
+    }
+    let mut left = subs;
+    while left != 0 {
+        let sub = (left.trailing_zeros() & 15) as usize;
+        left &= left - 1;
+        let (u, v) = ([state.u[0][sub], state.u[1][sub]], [state.v[0][sub], state.v[1][sub]]);
+        let lanes = planes.within(s, u, v, state.reach[sub]) & node.lanes();
+        state.batch.pair(s, index, lanes, sub);
+    }
 }
 
 /// Tests what has been listed.
@@ -102,22 +129,22 @@ pub(super) fn work_off<S: Simd, const ANY: bool>(
 ) {
     const SUB_NUMBERS: [u32; SUBS] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
     let numbers = I32::<S, 16>::load(s, &SUB_NUMBERS);
-    let mut pairs = 0;
+    let mut pairs = state.batch.paired;
     for at in 0..state.batch.len.min(TRIANGLES) {
         let slot = state.batch.slots[at];
-        let met = sub_packets::<S, ANY>(s, leaves.at(slot), slot as usize & 7, state) & state.batch.subs[at];
-        let numbers = numbers + I32::splat(s, (at * SUBS) as u32);
+        let met = sub_packets(s, leaves.at(slot), slot as usize & 7, state) & state.batch.subs[at];
+        let numbers = numbers + I32::splat(s, slot * SUBS as u32);
         if let Some((room, _)) = state.batch.pairs[pairs..].split_first_chunk_mut() {
             numbers.compress(met, room);
         }
         pairs += met.count_ones() as usize;
     }
-    state.batch.len = 0;
+    (state.batch.len, state.batch.paired) = (0, 0);
     leaves.release();
     let (mut touched, mut last) = (0, state.last);
     for at in 0..pairs {
-        let pair = state.batch.pairs[at] as usize;
-        let (slot, sub) = (state.batch.slots[pair / SUBS % TRIANGLES], pair % SUBS);
+        let pair = state.batch.pairs[at];
+        let (slot, sub) = (pair / SUBS as u32, pair as usize % SUBS);
         let decided = test::<S, ANY>(s, bvh, packet, state, leaves.at(slot), slot, sub);
         touched |= u32::from(decided) << sub;
         last = if decided { slot } else { last };
@@ -130,21 +157,18 @@ pub(super) fn work_off<S: Simd, const ANY: bool>(
 
 /// Sub-packets that triangle `lane` may meet; lane = sub-packet.
 #[inline(always)]
-fn sub_packets<S: Simd, const ANY: bool>(s: S, planes: &BlockPlanes, lane: usize, state: &State) -> u32 {
+fn sub_packets<S: Simd>(s: S, planes: &BlockPlanes, lane: usize, state: &State) -> u32 {
     let (u, v) = (&state.u, &state.v);
     let [[u_least, u_most], [v_least, v_most]] = &planes.extent;
     let mut inside = F16::splat(s, u_least[lane]).le(F16::load(s, &u[1]));
     inside = inside & F16::load(s, &u[0]).le(F16::splat(s, u_most[lane]));
     inside = inside & F16::splat(s, v_least[lane]).le(F16::load(s, &v[1]));
     inside = inside & F16::load(s, &v[0]).le(F16::splat(s, v_most[lane]));
-    if !ANY {
-        inside = inside & F16::load(s, &state.reach).le(planes.greatest(s, DEPTH, lane, u, v));
-    }
+    inside = inside & F16::load(s, &state.reach).le(planes.greatest(s, DEPTH, lane, u, v));
     for i in 0..DEPTH {
         inside = inside & F16::splat(s, 0.0).le(planes.greatest(s, i, lane, u, v));
     }
-    let ends = if ANY { state.ends.behind(s, planes, lane) } else { u32::MAX };
-    inside.bits() & ends
+    inside.bits()
 }
 
 /// Tests the rays of a sub-packet against the triangle in `slot`; true if any was decided.

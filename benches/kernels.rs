@@ -11,7 +11,7 @@ use criterion::{
 use irt::{
     bvh::{BuildPreset, Bvh},
     camera::{Camera, PACKET_SIDE},
-    kernels::{Isa, Kernels, Ray, SUB, TILE_RAYS, TileHits, TilePacket},
+    kernels::{Isa, Kernels, Ray, SUB, TILE_RAYS, TileHits, TilePacket, TileScratch},
     scene::{Light, Part, Scene, TriangleMesh, procedural},
     shade::{LightRays, SurfaceTable, Surfaces, add_light, light_rays},
     tile::{Order, tiles},
@@ -88,14 +88,14 @@ fn corners(left: u32, top: u32) -> impl Iterator<Item = [u32; 2]> {
 fn see(setup: &Setup, traversal: &Traversal) -> Vec<Seen> {
     let kernels = traversal.kernels();
     let mut six = Box::new(std::array::from_fn(|_| TilePacket::new()));
-    let mut hits = TileHits::new();
+    let (mut hits, mut scratch) = (TileHits::new(), TileScratch::new());
     let see = |tile: irt::tile::Tile| {
         let (mut packets, mut surfaces, mut rays) = (Vec::new(), Surfaces::default(), LightRays::default());
         surfaces.reset((TILE * TILE) as usize / TILE_RAYS, setup.scene.background.to_array());
         for (index, at) in corners(tile.x, tile.y).enumerate() {
             let used = setup.camera.rays(kernels, at, [PACKET_SIDE; 2], &mut six);
             for packet in &six[..used] {
-                traversal.intersect(packet, &mut hits);
+                traversal.intersect(packet, &mut scratch, &mut hits);
                 surfaces.gather(&setup.table, index, packet, &hits);
                 packets.push(packet.clone());
             }
@@ -118,11 +118,11 @@ fn primary(group: &mut BenchmarkGroup<'_, WallTime>, setup: &Setup, traversal: &
             }
         });
     });
-    let mut hits = TileHits::new();
+    let (mut hits, mut scratch) = (TileHits::new(), TileScratch::new());
     group.bench_function("primary packets", |bencher| {
         bencher.iter(|| {
             for packet in seen.iter().flat_map(|seen| &seen.packets) {
-                traversal.intersect(packet, &mut hits);
+                traversal.intersect(packet, &mut scratch, &mut hits);
                 black_box(&hits);
             }
         });

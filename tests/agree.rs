@@ -7,10 +7,12 @@ use irt::{
     camera::Camera,
     kernels::{
         EMPTY_NODE, Face, Hit, Kernels, MISS, PACKET_RAYS, Ray, SUB, SUBS, TILE_RAYS, TileHits, TilePacket,
+        TileScratch,
     },
     scene::{CameraDescription, TriangleMesh, procedural},
     trace::{KernelChoice, RayStream, Traversal},
 };
+use std::cell::Cell;
 
 fn build(mesh: &TriangleMesh) -> Bvh {
     let bvh = Bvh::build(mesh, BuildPreset::Medium).expect("builds");
@@ -23,19 +25,25 @@ fn same(context: &str, kernels: &Kernels, ray: &Ray, got: Hit, want: Hit) {
     assert_eq!(bits(got), bits(want), "{context}, {}: {ray:?}\n got {got:?}\nwant {want:?}", kernels.isa());
 }
 
+thread_local! {
+    /// One scratch for all trees, packets and kernels: what it remembers of one must not show in another.
+    static SCRATCH: Cell<TileScratch> = Cell::default();
+}
+
 /// Traces the packet with every kernel and compares with the oracle.
 fn check_packet(context: &str, mesh: &TriangleMesh, bvh: &Bvh, packet: &TilePacket) -> usize {
     let active = |ray: usize| packet.active[ray / SUB] >> (ray % SUB) & 1 != 0;
     let wanted: Vec<Hit> = (0..TILE_RAYS)
         .map(|ray| if active(ray) { brute_force(mesh, &packet.ray(ray)) } else { Hit::MISS })
         .collect();
+    let mut scratch = SCRATCH.take();
     for kernels in kernels() {
         let mut hits = TileHits::new();
-        kernels.tile_intersect(&bvh.view(), packet, &mut hits);
+        kernels.tile_intersect(&bvh.view(), packet, &mut scratch, &mut hits);
         let mut seed = EMPTY_NODE;
         for round in ["cold", "seeded"] {
             let mut blocked = [0; SUBS];
-            kernels.tile_occluded(&bvh.view(), packet, &mut seed, &mut blocked);
+            kernels.tile_occluded(&bvh.view(), packet, &mut scratch, &mut seed, &mut blocked);
             for ray in 0..TILE_RAYS {
                 let got = blocked[ray / SUB] >> (ray % SUB) & 1 != 0;
                 let want = active(ray) && wanted[ray].prim != MISS;
@@ -67,6 +75,7 @@ fn check_packet(context: &str, mesh: &TriangleMesh, bvh: &Bvh, packet: &TilePack
             );
         }
     }
+    SCRATCH.set(scratch);
     wanted.iter().filter(|hit| hit.prim != MISS).count()
 }
 
@@ -329,11 +338,11 @@ fn the_depth_interval_is_closed_at_both_ends() {
         packet.face = Face::ALL[4];
         packet.tfar = [2.0; TILE_RAYS];
         packet.active = [u16::MAX; SUBS];
-        let mut hits = TileHits::new();
-        kernels.tile_intersect(&bvh.view(), &packet, &mut hits);
+        let (mut hits, mut scratch) = (TileHits::new(), TileScratch::new());
+        kernels.tile_intersect(&bvh.view(), &packet, &mut scratch, &mut hits);
         assert_eq!(hits.t, [2.0; TILE_RAYS]);
         packet.tfar = [2.0f32.next_down(); TILE_RAYS];
-        kernels.tile_intersect(&bvh.view(), &packet, &mut hits);
+        kernels.tile_intersect(&bvh.view(), &packet, &mut scratch, &mut hits);
         assert_eq!(hits.prim, [MISS; TILE_RAYS]);
     }
 }

@@ -2,15 +2,18 @@
 
 use crate::{
     arch::Scalar,
-    generic::{packet, single, tile},
+    generic::{
+        packet, single,
+        tile::{self, TileScratch},
+    },
     isa::Isa,
     node::{BvhView, NodeRef},
     packet::{Hit, PACKET_RAYS, Ray, SUBS, TileHits, TilePacket},
     simd::Kernel,
 };
 
-type TileIntersect = unsafe fn(&BvhView, &TilePacket, &mut TileHits);
-type TileOccluded = unsafe fn(&BvhView, &TilePacket, &mut NodeRef, &mut [u16; SUBS]);
+type TileIntersect = unsafe fn(&BvhView, &TilePacket, &mut TileScratch, &mut TileHits);
+type TileOccluded = unsafe fn(&BvhView, &TilePacket, &mut TileScratch, &mut NodeRef, &mut [u16; SUBS]);
 type Intersect = unsafe fn(&BvhView, &Ray) -> Hit;
 type Occluded = unsafe fn(&BvhView, &Ray) -> bool;
 type PacketIntersect = unsafe fn(&BvhView, &[Ray], &mut [Hit]);
@@ -59,9 +62,15 @@ impl Kernels {
 
     /// First hits of the active rays of a packet; hits of other rays are left as they are.
     #[inline]
-    pub fn tile_intersect(&self, bvh: &BvhView, packet: &TilePacket, hits: &mut TileHits) {
+    pub fn tile_intersect(
+        &self,
+        bvh: &BvhView,
+        packet: &TilePacket,
+        scratch: &mut TileScratch,
+        hits: &mut TileHits,
+    ) {
         // SAFETY: `for_isa` hands out a table only after detecting its features; the function is otherwise safe.
-        unsafe { (self.tile_intersect)(bvh, packet, hits) }
+        unsafe { (self.tile_intersect)(bvh, packet, scratch, hits) }
     }
 
     /// Which active rays of a packet something blocks within `tfar`: bit `i` of `blocked[s]` is ray `16 s + i`.
@@ -73,11 +82,12 @@ impl Kernels {
         &self,
         bvh: &BvhView,
         packet: &TilePacket,
+        scratch: &mut TileScratch,
         seed: &mut NodeRef,
         blocked: &mut [u16; SUBS],
     ) {
         // SAFETY: as in `tile_intersect`.
-        unsafe { (self.tile_occluded)(bvh, packet, seed, blocked) }
+        unsafe { (self.tile_occluded)(bvh, packet, scratch, seed, blocked) }
     }
 
     /// First hit of a single ray.
@@ -145,13 +155,24 @@ macro_rules! entries {
                 Kernels { isa: $isa, tile_intersect, tile_occluded, intersect, occluded, packet_intersect, packet_occluded };
 
             $(#[target_feature(enable = $features)])?
-            fn tile_intersect(bvh: &BvhView, packet: &TilePacket, hits: &mut TileHits) {
-                tile::intersect($token, bvh, packet, hits);
+            fn tile_intersect(
+                bvh: &BvhView,
+                packet: &TilePacket,
+                scratch: &mut TileScratch,
+                hits: &mut TileHits,
+            ) {
+                tile::intersect($token, bvh, packet, scratch, hits);
             }
 
             $(#[target_feature(enable = $features)])?
-            fn tile_occluded(bvh: &BvhView, packet: &TilePacket, seed: &mut NodeRef, blocked: &mut [u16; SUBS]) {
-                tile::occluded($token, bvh, packet, seed, blocked);
+            fn tile_occluded(
+                bvh: &BvhView,
+                packet: &TilePacket,
+                scratch: &mut TileScratch,
+                seed: &mut NodeRef,
+                blocked: &mut [u16; SUBS],
+            ) {
+                tile::occluded($token, bvh, packet, scratch, seed, blocked);
             }
 
             $(#[target_feature(enable = $features)])?

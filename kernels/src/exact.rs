@@ -76,7 +76,7 @@ pub(crate) fn wide(v: V) -> [f64; 3] {
 }
 
 /// The plane and the edge functions of a triangle in f64, for canonical depth and barycentric coordinates.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Canonical {
     n: [f64; 3],
     na: f64,

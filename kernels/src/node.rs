@@ -1,5 +1,7 @@
 //! The 8-wide tree as the kernels see it.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 /// Tree depth (root = 1) that traversal stacks are sized for.
 pub const MAX_DEPTH: usize = 64;
 
@@ -140,10 +142,21 @@ impl TriBlock {
 /// behaviour: the kernels index with bounds checks.
 #[derive(Clone, Copy, Debug)]
 pub struct BvhView<'a> {
+    /// Tells this tree from all others that are or were in this process: kernels remember parts of a tree by it. See
+    /// [`BvhView::fresh_id`].
+    pub id: u64,
     /// Inner nodes.
     pub nodes: &'a [Node],
     /// Triangles.
     pub blocks: &'a [TriBlock],
     /// Where traversal starts; [`EMPTY_NODE`] for a scene without triangles.
     pub root: NodeRef,
+}
+
+impl BvhView<'_> {
+    /// An id that no tree has yet.
+    pub fn fresh_id() -> u64 {
+        static NEXT: AtomicU64 = AtomicU64::new(1);
+        NEXT.fetch_add(1, Ordering::Relaxed)
+    }
 }

@@ -122,6 +122,8 @@ pub struct TilePacket {
     pub skip: [u32; TILE_RAYS],
     /// Bit `i` of `active[s]`: ray `16 s + i` takes part. The values of the others do not matter.
     pub active: [u16; SUBS],
+    /// False if `tfar` and `skip` do not matter: the rays reach to infinity, and any primitive counts.
+    pub bounded: bool,
     /// Common origin.
     pub org: [f32; 3],
     /// Common face.
@@ -137,6 +139,7 @@ impl TilePacket {
             tfar: [f32::INFINITY; TILE_RAYS],
             skip: [MISS; TILE_RAYS],
             active: [0; SUBS],
+            bounded: true,
             org: [0.0; 3],
             face: Face::ALL[0],
         }
@@ -145,7 +148,14 @@ impl TilePacket {
     /// Ray `i` as a single ray: exactly the one that the tile kernel traces.
     pub fn ray(&self, i: usize) -> Ray {
         let dir = self.face.direction(self.u[i], self.v[i]);
-        Ray { org: self.org, dir, tnear: 0.0, tfar: self.tfar[i], skip: self.skip[i] }
+        let skip = if self.bounded { self.skip[i] } else { MISS };
+        Ray { org: self.org, dir, tnear: 0.0, tfar: self.tfar(i), skip }
+    }
+
+    /// Where ray `i` ends.
+    #[inline(always)]
+    pub(crate) fn tfar(&self, i: usize) -> f32 {
+        if self.bounded { self.tfar[i] } else { f32::INFINITY }
     }
 }
 

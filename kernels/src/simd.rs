@@ -73,6 +73,18 @@ pub trait Lanes<const W: usize>: Copy + 'static {
     fn ieq(self, a: Self::I, b: Self::I) -> Self::M;
     /// `if m { a } else { b }`
     fn iselect(self, m: Self::M, a: Self::I, b: Self::I) -> Self::I;
+    /// The lanes whose bit is set, one after the other from the start of `to`; what is left of it is unspecified.
+    #[inline(always)]
+    fn compress(self, bits: u32, a: Self::I, to: &mut [u32; W]) {
+        let mut lanes = [0; W];
+        self.istore(a, &mut lanes);
+        let (mut left, mut at) = (bits, 0);
+        while left != 0 {
+            to[at % W] = lanes[left.trailing_zeros() as usize % W];
+            left &= left - 1;
+            at += 1;
+        }
+    }
     /// Signed integer to float, rounding to nearest.
     fn to_float(self, a: Self::I) -> Self::F;
     /// Float to signed integer, rounding towards zero; values outside the range are unspecified.

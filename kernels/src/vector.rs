@@ -148,6 +148,11 @@ impl<S: Lanes<W>, const W: usize> I32<S, W> {
     pub fn store(self, to: &mut [u32; W]) {
         self.s.istore(self.v, to);
     }
+    /// The lanes whose bit is set, one after the other from the start of `to`; what is left of it is unspecified.
+    #[inline(always)]
+    pub fn compress(self, bits: u32, to: &mut [u32; W]) {
+        self.s.compress(bits, self.v, to);
+    }
     /// Shifted left by `N` bits.
     #[inline(always)]
     pub fn shl<const N: i32>(self) -> Self {

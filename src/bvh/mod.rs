@@ -34,6 +34,7 @@ pub struct Bvh {
     nodes: Vec<Node>,
     blocks: Vec<TriBlock>,
     root: NodeRef,
+    id: u64,
     build_time: Duration,
 }
 
@@ -46,7 +47,7 @@ impl Bvh {
         let start = Instant::now();
         let binary = build::binary(mesh, preset);
         let (nodes, blocks, root) = collapse::collapse(&binary, mesh);
-        let bvh = Bvh { nodes, blocks, root, build_time: start.elapsed() };
+        let bvh = Bvh { nodes, blocks, root, id: BvhView::fresh_id(), build_time: start.elapsed() };
         let depth = bvh.depth();
         if depth > MAX_DEPTH {
             return Err(Error::Failed(format!(
@@ -59,7 +60,7 @@ impl Bvh {
 
     /// The tree as the kernels borrow it.
     pub fn view(&self) -> BvhView<'_> {
-        BvhView { nodes: &self.nodes, blocks: &self.blocks, root: self.root }
+        BvhView { id: self.id, nodes: &self.nodes, blocks: &self.blocks, root: self.root }
     }
 
     /// Wall-clock time of the build.

@@ -100,7 +100,7 @@ impl Camera {
                 let packet = &mut packets[used];
                 packet.u = directions[iu];
                 packet.v = directions[iv];
-                packet.tfar = [f32::INFINITY; TILE_RAYS];
+                packet.bounded = false;
                 packet.active = active;
                 packet.org = self.eye.to_array();
                 packet.face = face;

@@ -5,7 +5,7 @@ use crate::{
     bvh::Bvh,
     camera::{Camera, PACKET_SIDE, pixel_of},
     film::Film,
-    kernels::{Kernels, NodeRef, TILE_RAYS, TileHits, TilePacket},
+    kernels::{Kernels, NodeRef, TILE_RAYS, TileHits, TilePacket, TileScratch},
     scene::{Light, Scene},
     schedule::TileTask,
     shade::{LightRays, SurfaceTable, Surfaces, add_light, light_rays},
@@ -48,6 +48,7 @@ impl TileReport {
 pub(super) struct Scratch {
     packets: Box<[TilePacket; 6]>,
     hits: Box<TileHits>,
+    tile_scratch: TileScratch,
     surfaces: Surfaces,
     light_rays: LightRays,
     shadows: PointShadows,
@@ -77,6 +78,7 @@ impl TileTask for RenderTask<'_> {
         Scratch {
             packets: Box::new(std::array::from_fn(|_| TilePacket::new())),
             hits: Box::new(TileHits::new()),
+            tile_scratch: TileScratch::new(),
             surfaces: Surfaces::default(),
             light_rays: LightRays::default(),
             shadows: PointShadows::default(),
@@ -101,7 +103,7 @@ impl TileTask for RenderTask<'_> {
 impl RenderTask<'_> {
     /// Primary rays: fills the surfaces of the tile, packet by packet of 16x16 pixels.
     fn see(&self, frame: &Frame, tile: Tile, scratch: &mut Scratch, clock: &mut Clock) {
-        let Scratch { packets, hits, surfaces, .. } = scratch;
+        let Scratch { packets, hits, tile_scratch, surfaces, .. } = scratch;
         let corners = packet_corners(tile);
         surfaces.reset(corners.clone().count(), self.scene.background.to_array());
         for (index, [x, y]) in corners.enumerate() {
@@ -110,7 +112,7 @@ impl RenderTask<'_> {
             let used = frame.camera.rays(self.traversal.kernels(), at, inside, packets);
             for packet in &packets[..used] {
                 clock.shade();
-                self.traversal.intersect(packet, hits);
+                self.traversal.intersect(packet, tile_scratch, hits);
                 clock.trace();
                 surfaces.gather(self.table, index, packet, hits);
             }

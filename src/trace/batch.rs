@@ -9,7 +9,7 @@
 //! result.
 
 use super::Traversal;
-use crate::kernels::{Face, Hit, MISS, NodeRef, Ray, SUB, SUBS, TILE_RAYS, TileHits, TilePacket};
+use crate::kernels::{Face, Hit, MISS, NodeRef, Ray, SUB, SUBS, TILE_RAYS, TileHits, TilePacket, TileScratch};
 use std::sync::{Mutex, PoisonError};
 
 /// Rays that a thread takes at once.
@@ -32,8 +32,9 @@ impl Traversal<'_> {
     ) {
         share(rays, hits, threads, start, |rays, hits| {
             let mut found = TileHits::new();
+            let mut scratch = TileScratch::new();
             let packet = |packet: &TilePacket, members: &[u32]| {
-                self.intersect(packet, &mut found);
+                self.intersect(packet, &mut scratch, &mut found);
                 members.iter().enumerate().for_each(|(i, &ray)| hits[ray as usize] = found.hit(i));
             };
             for ray in packets(rays, packet) {
@@ -55,9 +56,10 @@ impl Traversal<'_> {
     ) {
         share(rays, blocked, threads, start, |rays, blocked| {
             let mut seed: NodeRef = super::NO_OCCLUDER;
+            let mut scratch = TileScratch::new();
             let packet = |packet: &TilePacket, members: &[u32]| {
                 let mut bits = [0; SUBS];
-                self.occluded(packet, &mut seed, &mut bits);
+                self.occluded(packet, &mut scratch, &mut seed, &mut bits);
                 for (i, &ray) in members.iter().enumerate() {
                     blocked[ray as usize] = (bits[i / SUB] >> (i % SUB) & 1) as u8;
                 }

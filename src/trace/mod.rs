@@ -9,7 +9,7 @@ pub use stream::RayStream;
 
 use crate::{
     bvh::Bvh,
-    kernels::{BvhView, Hit, Kernels, NodeRef, Ray, SUB, SUBS, TILE_RAYS, TileHits, TilePacket},
+    kernels::{BvhView, Hit, Kernels, NodeRef, Ray, SUB, SUBS, TILE_RAYS, TileHits, TilePacket, TileScratch},
 };
 use std::{fmt, str::FromStr};
 
@@ -73,9 +73,9 @@ impl<'a> Traversal<'a> {
     }
 
     /// First hits of the active rays of a packet; hits of other rays are left as they are.
-    pub fn intersect(&self, packet: &TilePacket, hits: &mut TileHits) {
+    pub fn intersect(&self, packet: &TilePacket, scratch: &mut TileScratch, hits: &mut TileHits) {
         match self.choice {
-            KernelChoice::Tile => self.kernels.tile_intersect(&self.view, packet, hits),
+            KernelChoice::Tile => self.kernels.tile_intersect(&self.view, packet, scratch, hits),
             KernelChoice::Single => {
                 for ray in active_rays(packet) {
                     let hit = self.kernels.intersect(&self.view, &packet.ray(ray));
@@ -87,9 +87,15 @@ impl<'a> Traversal<'a> {
 
     /// Which active rays of a packet are blocked within `tfar`, as bits like [`TilePacket::active`]. `seed` as in
     /// [`Kernels::tile_occluded`].
-    pub fn occluded(&self, packet: &TilePacket, seed: &mut NodeRef, blocked: &mut [u16; SUBS]) {
+    pub fn occluded(
+        &self,
+        packet: &TilePacket,
+        scratch: &mut TileScratch,
+        seed: &mut NodeRef,
+        blocked: &mut [u16; SUBS],
+    ) {
         match self.choice {
-            KernelChoice::Tile => self.kernels.tile_occluded(&self.view, packet, seed, blocked),
+            KernelChoice::Tile => self.kernels.tile_occluded(&self.view, packet, scratch, seed, blocked),
             KernelChoice::Single => {
                 *blocked = [0; SUBS];
                 for ray in active_rays(packet) {

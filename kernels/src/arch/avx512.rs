@@ -42,6 +42,8 @@ lanes! { Avx512, 16, __m512, __m512i, __mmask16;
     ishr<const N>(a: __m512i) -> __m512i = _mm512_srl_epi32(a, _mm_cvtsi32_si128(N));
     ieq(a: __m512i, b: __m512i) -> __mmask16 = _mm512_cmpeq_epi32_mask(a, b);
     iselect(m: __mmask16, a: __m512i, b: __m512i) -> __m512i = _mm512_mask_blend_epi32(m, b, a);
+    compress(bits: u32, a: __m512i, to: &mut [u32; 16]) =
+        _mm512_storeu_si512(to.as_mut_ptr().cast(), _mm512_maskz_compress_epi32(bits as __mmask16, a));
     to_float(a: __m512i) -> __m512 = _mm512_cvtepi32_ps(a);
     trunc(a: __m512) -> __m512i = _mm512_cvttps_epi32(a);
     mbits(m: __mmask16) -> u32 = u32::from(m);
@@ -84,6 +86,8 @@ lanes! { Avx512, 8, __m256, __m256i, __mmask8;
     ishr<const N>(a: __m256i) -> __m256i = _mm256_srli_epi32::<N>(a);
     ieq(a: __m256i, b: __m256i) -> __mmask8 = _mm256_cmpeq_epi32_mask(a, b);
     iselect(m: __mmask8, a: __m256i, b: __m256i) -> __m256i = _mm256_mask_blend_epi32(m, b, a);
+    compress(bits: u32, a: __m256i, to: &mut [u32; 8]) =
+        _mm256_storeu_si256(to.as_mut_ptr().cast(), _mm256_maskz_compress_epi32(bits as __mmask8, a));
     to_float(a: __m256i) -> __m256 = _mm256_cvtepi32_ps(a);
     trunc(a: __m256) -> __m256i = _mm256_cvttps_epi32(a);
     mbits(m: __mmask8) -> u32 = u32::from(m);

@@ -65,9 +65,11 @@ fn sub<S: Simd>(a: [F8<S>; 3], b: [F8<S>; 3]) -> [F8<S>; 3] {
 }
 
 impl<S: Simd> Leaf<S> {
+    /// The coefficients of a block's triangles, and their corners relative to the origin.
     #[inline(always)]
-    pub(crate) fn new(s: S, block: &TriBlock, frame: &Frame) -> Leaf<S> {
-        let [a, b, c] = corners(s, block, frame);
+    pub(crate) fn new(s: S, block: &TriBlock, frame: &Frame) -> (Leaf<S>, [[F8<S>; 3]; 3]) {
+        let corners = corners(s, block, frame);
+        let [a, b, c] = corners;
         let (n, perm) = cross(sub(b, a), sub(c, a));
         let na = n[0] * a[0] + n[1] * a[1] + n[2] * a[2];
         let orient = na.sign();
@@ -87,20 +89,22 @@ impl<S: Simd> Leaf<S> {
 
         let mut edges = [depth; 3];
         let mut worst = tiny;
-        for (edge, (p, q)) in edges.iter_mut().zip([(b, c), (c, a), (a, b)]) {
+        for i in 0..3 {
+            let (p, q) = (corners[(i + 1) % 3], corners[(i + 2) % 3]);
             let (normal, perm) = cross(add(p, q), sub(q, p));
             let bound = (perm[0] + perm[1] + perm[2]) * k + tiny;
             worst = worst.max(bound);
             let normal = [normal[0].flip(orient), normal[1].flip(orient), normal[2].flip(orient)];
-            *edge = planes(s, sound, normal, bound);
+            edges[i] = planes(s, sound, normal, bound);
         }
         let infinity = F8::splat(s, f32::INFINITY);
-        Leaf {
+        let leaf = Leaf {
             edges,
             depth,
             edge_doubt: sound.select(worst + worst, infinity),
             depth_doubt: sound.select(bound + bound, infinity),
-        }
+        };
+        (leaf, corners)
     }
 }
 
@@ -122,10 +126,11 @@ pub(super) fn corners<S: Simd>(s: S, block: &TriBlock, frame: &Frame) -> [[F8<S>
     let org = [F8::splat(s, frame.org[0]), F8::splat(s, frame.org[1]), F8::splat(s, frame.org[2])];
     let flip = I32::splat(s, frame.flip);
     let mut corners = [org; 3];
-    for (corner, v) in corners.iter_mut().zip(&block.v) {
-        corner[0] = F8::load(s, &v[iu]) - org[0];
-        corner[1] = F8::load(s, &v[iv]) - org[1];
-        corner[2] = (F8::load(s, &v[iz]) - org[2]).flip(flip);
+    for i in 0..3 {
+        let v = &block.v[i];
+        let x = F8::load(s, &v[iu]) - org[0];
+        let y = F8::load(s, &v[iv]) - org[1];
+        corners[i] = [x, y, (F8::load(s, &v[iz]) - org[2]).flip(flip)];
     }
     corners
 }

@@ -20,7 +20,7 @@ pub(crate) type F8<S> = F32<S, 8>;
 pub(crate) type F16<S> = F32<S, 16>;
 
 /// The frame that rays are traced in: origin, axes permuted so that depth comes last, depth flipped to be positive.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
     /// The rays' origin, in permuted axes.
     pub(crate) org: [f32; 3],

@@ -3,7 +3,7 @@
 use super::{Engine, RaySet, timer::Mode};
 use crate::{
     bvh::Bvh,
-    kernels::{Hit, Kernels, MISS, NodeRef, SUB, TILE_RAYS, TileHits},
+    kernels::{Hit, Kernels, MISS, NodeRef, SUB, TILE_RAYS, TileHits, TileScratch},
     study::bench::rays::{Kind, Stream},
     trace::{KernelChoice, NO_OCCLUDER, PointShadows, RayStream, Traversal},
 };
@@ -65,11 +65,12 @@ impl Mode for Tiles<'_> {
 
     fn worker(&self) -> Box<dyn FnMut(usize) -> u64 + '_> {
         let mut results = vec![TileHits::new(); PACKETS];
+        let mut scratch = TileScratch::new();
         Box::new(move |unit| {
             let packets = self.0.set.packets().chunks(PACKETS).nth(unit).unwrap_or_default();
             let mut hits = 0;
             for (packet, result) in packets.iter().zip(&mut results) {
-                self.0.traversal.intersect(packet, result);
+                self.0.traversal.intersect(packet, &mut scratch, result);
                 for (sub, prims) in result.prim.as_chunks::<SUB>().0.iter().enumerate() {
                     let bits = prims
                         .iter()

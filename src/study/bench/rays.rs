@@ -6,7 +6,7 @@
 use crate::{
     bvh::Bvh,
     camera::Camera,
-    kernels::{Face, Kernels, MISS, Ray, SUB, TILE_RAYS, TileHits, TilePacket},
+    kernels::{Face, Kernels, MISS, Ray, SUB, TILE_RAYS, TileHits, TilePacket, TileScratch},
     math::hash_unit,
     scene::{Light, Scene},
     tile::{Order, tiles},
@@ -102,13 +102,14 @@ impl Seen {
         let mut seen = Seen::default();
         let mut six = Box::new(std::array::from_fn(|_| TilePacket::new()));
         let mut hits = TileHits::new();
+        let mut scratch = TileScratch::new();
         for tile in tiles(width, height, STREAM, Order::Hilbert) {
             for y in (0..tile.height).step_by(16) {
                 for x in (0..tile.width).step_by(16) {
                     let inside = [tile.width - x, tile.height - y];
                     let used = camera.rays(&kernels, [tile.x + x, tile.y + y], inside, &mut six);
                     for packet in &six[..used] {
-                        traversal.intersect(packet, &mut hits);
+                        traversal.intersect(packet, &mut scratch, &mut hits);
                         seen.packets.push(packet.clone());
                         seen.surfaces.extend((0..TILE_RAYS).map(|ray| surface(scene, packet, &hits, ray)));
                     }

@@ -16,7 +16,7 @@ mod blocks;
 mod morton;
 
 use super::Traversal;
-use crate::kernels::{EMPTY_NODE, Face, NodeRef, SUB, SUBS, TilePacket};
+use crate::kernels::{EMPTY_NODE, Face, NodeRef, SUB, SUBS, TilePacket, TileScratch};
 use blocks::{Block, survey};
 use morton::{Grid, key};
 
@@ -58,6 +58,7 @@ pub struct PointShadows {
     /// Sort key and index of each loose ray.
     loose: Vec<(u32, u32)>,
     packet: TilePacket,
+    scratch: TileScratch,
 }
 
 impl PointShadows {
@@ -170,7 +171,7 @@ impl PointShadows {
             }
         }
         let mut blocked = [0; SUBS];
-        traversal.occluded(packet, seed, &mut blocked);
+        traversal.occluded(packet, &mut self.scratch, seed, &mut blocked);
         for (group, mut bits) in groups.iter().zip(blocked) {
             let first = group.first as usize;
             while bits != 0 {

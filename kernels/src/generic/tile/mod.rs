@@ -5,8 +5,10 @@
 //!
 //! * `walk`: the tree; boxes against the tile's frustum (lane = child), then against its sub-packets' (lane =
 //!   sub-packet).
-//! * `triangles`: a leaf's triangles set up at once (lane = triangle), each against the sub-packets (lane =
-//!   sub-packet), and only where that leaves doubt against rays (lane = ray).
+//! * `block`: a leaf's triangles set up for the origin (lane = triangle), remembered by `scratch` from packet to
+//!   packet.
+//! * `triangles`: each against the tile (lane = triangle), the sub-packets (lane = sub-packet), and only where that
+//!   leaves doubt against rays (lane = ray).
 //!
 //! # Why culling never loses a hit
 //!
@@ -16,26 +18,32 @@
 //! the rounded one, so none of them can reject what real arithmetic would keep. Depth is compared as
 //! z0 * inverse_depth <= 1, where the inverse depth is a lower bound of the best hit's: the same argument holds.
 
+mod block;
+mod scratch;
 mod triangles;
 mod walk;
+
+pub use scratch::TileScratch;
 
 use super::{F16, Frame, doubt::NO_SLOT, finish};
 use crate::{
     node::{BvhView, EMPTY_NODE, NodeRef},
     packet::{SUBS, TileHits, TilePacket},
     simd::Simd,
-    vector::Mask,
+    vector::{I32, Mask},
 };
-use triangles::Coefficients;
+use triangles::Pairs;
 use walk::Planes;
 
 /// Sixteen floats for each sub-packet: one per ray.
 type Rays = [[f32; 16]; SUBS];
 
 /// What a packet knows while it is traced.
+#[derive(Clone, Debug)]
 #[repr(C, align(64))]
 struct State {
-    /// Interval of the best inverse depth so far; infinite for rays that take no part.
+    /// Interval of the best inverse depth so far; infinite for rays that take no part. Like `slot`, meaningless for
+    /// sub-packets without rays.
     lo: Rays,
     hi: Rays,
     /// The best triangle so far.
@@ -45,11 +53,9 @@ struct State {
     v: [[f32; SUBS]; 2],
     /// Least `lo` of each sub-packet: no ray of it needs anything farther.
     reach: [f32; SUBS],
-    /// Greatest inverse of `tfar` of each sub-packet: anything nearer blocks all its rays.
-    ceiling: [f32; SUBS],
     /// Working space of `walk` and `triangles`.
     planes: Planes,
-    triangles: Coefficients,
+    pairs: Pairs,
     /// Rays still to be decided.
     live: [u16; SUBS],
     /// Sub-packets with such rays.
@@ -63,10 +69,18 @@ struct State {
 
 /// First hits of all active rays.
 #[inline(always)]
-pub(crate) fn intersect<S: Simd>(s: S, bvh: &BvhView, packet: &TilePacket, hits: &mut TileHits) {
-    let mut state = State::new(s, packet);
-    walk::traverse::<S, false>(s, bvh, packet, &mut state, bvh.root);
-    finish::hits(s, bvh, packet, &state.frame, &state.slot, hits);
+pub(crate) fn intersect<S: Simd>(
+    s: S,
+    bvh: &BvhView,
+    packet: &TilePacket,
+    scratch: &mut TileScratch,
+    hits: &mut TileHits,
+) {
+    let TileScratch { state, leaves, planes } = scratch;
+    state.begin(s, packet);
+    leaves.begin(bvh, packet);
+    walk::traverse::<S, false>(s, bvh, packet, state, leaves, bvh.root);
+    finish::hits(s, bvh, packet, &state.frame, planes, leaves.epoch(), &state.slot, hits);
 }
 
 /// The rays that something blocks between the origin and `tfar`, as bits like [`TilePacket::active`].
@@ -78,17 +92,20 @@ pub(crate) fn occluded<S: Simd>(
     s: S,
     bvh: &BvhView,
     packet: &TilePacket,
+    scratch: &mut TileScratch,
     seed: &mut NodeRef,
     blocked: &mut [u16; SUBS],
 ) {
-    let mut state = State::new(s, packet);
+    let TileScratch { state, leaves, .. } = scratch;
+    state.begin(s, packet);
+    leaves.begin(bvh, packet);
     let mut last = EMPTY_NODE;
     if *seed != EMPTY_NODE && seed.block() < bvh.blocks.len() {
         let subs = state.live_subs;
-        last = triangles::leaf::<S, true>(s, bvh, packet, &mut state, *seed, subs, last);
+        last = triangles::leaf::<S, true>(s, bvh, packet, state, leaves, *seed, subs, last);
     }
     if state.live_subs != 0 {
-        let found = walk::traverse::<S, true>(s, bvh, packet, &mut state, bvh.root);
+        let found = walk::traverse::<S, true>(s, bvh, packet, state, leaves, bvh.root);
         last = if found == EMPTY_NODE { last } else { found };
     }
     *seed = last;
@@ -98,35 +115,44 @@ pub(crate) fn occluded<S: Simd>(
 }
 
 impl State {
+    const EMPTY: State = State {
+        lo: [[0.0; 16]; SUBS],
+        hi: [[0.0; 16]; SUBS],
+        slot: [[NO_SLOT; 16]; SUBS],
+        u: [[0.0; SUBS]; 2],
+        v: [[0.0; SUBS]; 2],
+        reach: [0.0; SUBS],
+        planes: Planes::EMPTY,
+        pairs: Pairs::NONE,
+        live: [0; SUBS],
+        live_subs: 0,
+        tile_u: [0.0; 2],
+        tile_v: [0.0; 2],
+        tile_reach: 0.0,
+        frame: Frame { org: [0.0; 3], axes: [1, 2, 0], flip: 0 },
+    };
+
+    /// Forgets the previous packet.
     #[inline(always)]
-    fn new<S: Simd>(s: S, packet: &TilePacket) -> State {
-        let mut state = State {
-            lo: [[0.0; 16]; SUBS],
-            hi: [[0.0; 16]; SUBS],
-            slot: [[NO_SLOT; 16]; SUBS],
-            u: [[f32::INFINITY; SUBS], [f32::NEG_INFINITY; SUBS]],
-            v: [[f32::INFINITY; SUBS], [f32::NEG_INFINITY; SUBS]],
-            reach: [f32::INFINITY; SUBS],
-            ceiling: [f32::INFINITY; SUBS],
-            planes: Planes::EMPTY,
-            triangles: Coefficients::EMPTY,
-            live: packet.active,
-            live_subs: 0,
-            tile_u: [0.0; 2],
-            tile_v: [0.0; 2],
-            tile_reach: 0.0,
-            frame: Frame::new(packet.org, packet.face),
-        };
+    fn begin<S: Simd>(&mut self, s: S, packet: &TilePacket) {
+        let infinity = F16::splat(s, f32::INFINITY);
+        infinity.store(&mut self.u[0]);
+        (-infinity).store(&mut self.u[1]);
+        infinity.store(&mut self.v[0]);
+        (-infinity).store(&mut self.v[1]);
+        infinity.store(&mut self.reach);
+        self.live = packet.active;
+        self.live_subs = 0;
+        self.frame = Frame::new(packet.org, packet.face);
         for sub in 0..SUBS {
             if packet.active[sub] != 0 {
-                state.live_subs |= 1 << sub;
-                state.sub_packet(s, packet, sub);
+                self.live_subs |= 1 << sub;
+                self.sub_packet(s, packet, sub);
             }
         }
-        state.tile_u = [F16::load(s, &state.u[0]).reduce_min(), F16::load(s, &state.u[1]).reduce_max()];
-        state.tile_v = [F16::load(s, &state.v[0]).reduce_min(), F16::load(s, &state.v[1]).reduce_max()];
-        state.tile_reach = F16::load(s, &state.reach).reduce_min();
-        state
+        self.tile_u = [F16::load(s, &self.u[0]).reduce_min(), F16::load(s, &self.u[1]).reduce_max()];
+        self.tile_v = [F16::load(s, &self.v[0]).reduce_min(), F16::load(s, &self.v[1]).reduce_max()];
+        self.tile_reach = F16::load(s, &self.reach).reduce_min();
     }
 
     /// Bounds of one sub-packet.
@@ -134,14 +160,18 @@ impl State {
     fn sub_packet<S: Simd>(&mut self, s: S, packet: &TilePacket, sub: usize) {
         let infinity = F16::splat(s, f32::INFINITY);
         let active = Mask::from_bits(s, u32::from(packet.active[sub]));
-        // 1 / tfar is off by half a unit: these factors enclose it.
-        let inverse = F16::splat(s, 1.0) / F16::load(s, &rays(&packet.tfar)[sub]);
-        let lo = active.select(inverse * F16::splat(s, 1.0 - 2.5e-7), infinity);
-        let hi = active.select(inverse * F16::splat(s, 1.0 + 2.5e-7), infinity);
+        let (mut lo, mut hi) = (F16::splat(s, 0.0), F16::splat(s, 0.0));
+        if packet.bounded {
+            // 1 / tfar is off by half a unit: these factors enclose it.
+            let inverse = F16::splat(s, 1.0) / F16::load(s, &rays(&packet.tfar)[sub]);
+            lo = inverse * F16::splat(s, 1.0 - 2.5e-7);
+            hi = inverse * F16::splat(s, 1.0 + 2.5e-7);
+        }
+        let lo = active.select(lo, infinity);
         lo.store(&mut self.lo[sub]);
-        hi.store(&mut self.hi[sub]);
+        active.select(hi, infinity).store(&mut self.hi[sub]);
+        I32::splat(s, NO_SLOT).store(&mut self.slot[sub]);
         self.reach[sub] = lo.reduce_min();
-        self.ceiling[sub] = hi.reduce_max();
         let u = F16::load(s, &rays(&packet.u)[sub]);
         let v = F16::load(s, &rays(&packet.v)[sub]);
         self.u[0][sub] = active.select(u, infinity).reduce_min();

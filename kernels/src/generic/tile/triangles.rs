@@ -1,69 +1,53 @@
-//! A leaf's triangles against a packet: set up at once, culled against sub-packets, then tested against rays.
+//! A leaf's triangles against a packet.
 //!
 //! ```text
 //!   block of 8 triangles --(lane = triangle)--> those that the tile may meet
-//!     each --(lane = sub-packet)--> sub-packets it misses | covers | may meet
-//!       each that it may meet --(lane = ray)--> rays it misses | hits | doubtful: decided exactly
+//!     each --(lane = sub-packet)--> pairs of a triangle and a sub-packet that may meet it: a list
+//!       each pair --(lane = ray)--> rays it misses | hits | doubtful: decided exactly
 //! ```
 //!
-//! A sub-packet is *covered* when every edge function is positive beyond doubt over its whole slope rectangle: no ray
-//! needs the edges, and for occlusion, where the depth that counts does not change, all rays are decided at once.
+//! The list is why the processor seldom guesses wrong: pairs are appended without branches, and one loop without
+//! branches, but for the rare doubtful rays, runs over all of them.
 
-use super::{State, rays};
+use super::{
+    State,
+    block::{BlockPlanes, DEPTH},
+    rays,
+    scratch::LeafCache,
+};
 use crate::{
     generic::{
-        F8, F16,
+        F16,
         doubt::{inverse_interval, nearer},
-        leaf::Leaf,
     },
-    node::{BvhView, NodeRef, TriBlock},
+    node::{BvhView, NodeRef},
     packet::{SUB, SUBS, TilePacket},
     simd::Simd,
     vector::{I32, Mask},
 };
 
-/// Coefficients of the triangles that survive the tile test, in memory so that they can be broadcast.
+/// Pairs of a triangle (lane of its block) and a sub-packet that may meet: `lane * 16 + sub`.
+#[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Coefficients {
-    /// Three edge functions and the inverse depth: `x * u + y * v + z`.
-    f: [[[f32; 8]; 3]; 4],
-    /// Bit = triangle: each function is greatest at the greatest slope.
-    high: [[u32; 2]; 4],
-    edge_doubt: [f32; 8],
-    depth_doubt: [f32; 8],
+pub(super) struct Pairs {
+    /// Appending writes 16 at once, whatever counts of them.
+    list: [u32; 8 * SUBS + SUBS],
+    len: usize,
 }
 
-/// Index of the inverse depth among the functions.
-const DEPTH: usize = 3;
+impl Pairs {
+    pub(super) const NONE: Pairs = Pairs { list: [0; 8 * SUBS + SUBS], len: 0 };
 
-impl Coefficients {
-    pub(super) const EMPTY: Coefficients = Coefficients {
-        f: [[[0.0; 8]; 3]; 4],
-        high: [[0; 2]; 4],
-        edge_doubt: [0.0; 8],
-        depth_doubt: [0.0; 8],
-    };
-
-    /// Function `i` of triangle `lane` at slopes (u, v).
+    /// Triangle `lane` with each of `subs`.
     #[inline(always)]
-    fn value<S: Simd>(&self, s: S, i: usize, lane: usize, u: F16<S>, v: F16<S>) -> F16<S> {
-        let [x, y, z] = &self.f[i];
-        let inner = F16::splat(s, y[lane]).mul_add(v, F16::splat(s, z[lane]));
-        F16::splat(s, x[lane]).mul_add(u, inner)
-    }
-
-    /// Greatest (`side` 0) or least (`side` 1) value of function `i` of triangle `lane` over the slope rectangles,
-    /// lane = sub-packet.
-    #[inline(always)]
-    fn extreme<S: Simd>(&self, s: S, i: usize, lane: usize, side: usize, u: &Slopes, v: &Slopes) -> F16<S> {
-        let u = F16::load(s, &u[(self.high[i][0] >> lane & 1) as usize ^ side]);
-        let v = F16::load(s, &v[(self.high[i][1] >> lane & 1) as usize ^ side]);
-        self.value(s, i, lane, u, v)
+    fn append<S: Simd>(&mut self, s: S, lane: usize, subs: u32) {
+        const SUB_NUMBERS: [u32; SUBS] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+        let pairs = I32::<S, 16>::load(s, &SUB_NUMBERS) + I32::splat(s, (lane * SUBS) as u32);
+        let Some((room, _)) = self.list[self.len..].split_first_chunk_mut() else { return };
+        pairs.compress(subs, room);
+        self.len += subs.count_ones() as usize;
     }
 }
-
-/// Least and greatest slopes by sub-packet.
-type Slopes = [[f32; SUBS]; 2];
 
 /// Tests a run of triangles; returns `node` if it decided a ray, else `last`.
 #[inline(always)]
@@ -72,35 +56,27 @@ pub(super) fn leaf<S: Simd, const ANY: bool>(
     bvh: &BvhView,
     packet: &TilePacket,
     state: &mut State,
+    leaves: &mut LeafCache,
     node: NodeRef,
     subs: u32,
     last: NodeRef,
 ) -> NodeRef {
-    let block_index = node.block();
-    let mut left = set_up(s, &bvh.blocks[block_index], state, node.lanes());
-    let mut touched = 0;
+    let index = node.block();
+    let planes = leaves.get(s, bvh, &state.frame, index);
+    let mut left = planes.within(s, state.tile_u, state.tile_v, state.tile_reach) & node.lanes();
+    state.pairs.len = 0;
     while left != 0 {
         let lane = (left.trailing_zeros() & 7) as usize;
         left &= left - 1;
-        let slot = (block_index * 8 + lane) as u32;
-        let prim = bvh.blocks[block_index].prim[lane];
-        let (mut wanted, mut covered) = sub_packets::<S, ANY>(s, lane, state, subs);
-        while covered != 0 {
-            let sub = (covered.trailing_zeros() & 15) as usize;
-            covered &= covered - 1;
-            if cover::<S, ANY>(s, packet, state, lane, sub, slot, prim) {
-                touched |= 1 << sub;
-            } else {
-                wanted |= 1 << sub;
-            }
-        }
-        while wanted != 0 {
-            let sub = (wanted.trailing_zeros() & 15) as usize;
-            wanted &= wanted - 1;
-            if test::<S, ANY>(s, bvh, packet, state, lane, sub, slot, prim) {
-                touched |= 1 << sub;
-            }
-        }
+        let met = sub_packets(s, planes, lane, state) & subs;
+        state.pairs.append(s, lane, met);
+    }
+    let mut touched = 0;
+    for at in 0..state.pairs.len {
+        let pair = state.pairs.list[at];
+        let (lane, sub) = ((pair >> 4 & 7) as usize, (pair & 15) as usize);
+        let decided = test::<S, ANY>(s, bvh, packet, state, planes, index, lane, sub);
+        touched |= u32::from(decided) << sub;
     }
     if touched == 0 {
         return last;
@@ -109,149 +85,65 @@ pub(super) fn leaf<S: Simd, const ANY: bool>(
     node
 }
 
-/// Sets up the block and culls its triangles against the tile, lane = triangle.
+/// Sub-packets that triangle `lane` may meet; lane = sub-packet.
 #[inline(always)]
-fn set_up<S: Simd>(s: S, block: &TriBlock, state: &mut State, lanes: u32) -> u32 {
-    let leaf = Leaf::new(s, block, &state.frame);
-    let zero = F8::splat(s, 0.0);
-    let u = [F8::splat(s, state.tile_u[0]), F8::splat(s, state.tile_u[1])];
-    let v = [F8::splat(s, state.tile_v[0]), F8::splat(s, state.tile_v[1])];
-    let mut outside = greatest(&leaf.depth, u, v).lt(F8::splat(s, state.tile_reach));
-    for edge in &leaf.edges {
-        outside = outside | greatest(edge, u, v).lt(zero);
-    }
-    let left = !outside.bits() & lanes;
-    if left != 0 {
-        let k = &mut state.triangles;
-        let [e0, e1, e2] = leaf.edges;
-        for (i, f) in [e0, e1, e2, leaf.depth].into_iter().enumerate() {
-            for j in 0..3 {
-                f[j].store(&mut k.f[i][j]);
-            }
-            k.high[i] = [zero.le(f[0]).bits(), zero.le(f[1]).bits()];
-        }
-        leaf.edge_doubt.store(&mut k.edge_doubt);
-        leaf.depth_doubt.store(&mut k.depth_doubt);
-    }
-    left
-}
-
-/// The greatest value of an affine function over a rectangle of slopes.
-#[inline(always)]
-fn greatest<S: Simd>(f: &[F8<S>; 3], u: [F8<S>; 2], v: [F8<S>; 2]) -> F8<S> {
-    (f[0] * u[0]).max(f[0] * u[1]) + ((f[1] * v[0]).max(f[1] * v[1]) + f[2])
-}
-
-/// Which of `subs` one triangle may meet, and which others it covers; lane = sub-packet.
-#[inline(always)]
-fn sub_packets<S: Simd, const ANY: bool>(s: S, lane: usize, state: &State, subs: u32) -> (u32, u32) {
-    let k = &state.triangles;
+fn sub_packets<S: Simd>(s: S, planes: &BlockPlanes, lane: usize, state: &State) -> u32 {
     let (u, v) = (&state.u, &state.v);
-    let zero = F16::splat(s, 0.0);
-    let mut outside = k.extreme(s, DEPTH, lane, 0, u, v).lt(F16::load(s, &state.reach));
+    let [[u_least, u_most], [v_least, v_most]] = &planes.extent;
+    let mut inside = F16::splat(s, u_least[lane]).le(F16::load(s, &u[1]));
+    inside = inside & F16::load(s, &u[0]).le(F16::splat(s, u_most[lane]));
+    inside = inside & F16::splat(s, v_least[lane]).le(F16::load(s, &v[1]));
+    inside = inside & F16::load(s, &v[0]).le(F16::splat(s, v_most[lane]));
+    inside = inside & F16::load(s, &state.reach).le(planes.greatest(s, DEPTH, lane, u, v));
     for i in 0..DEPTH {
-        outside = outside | k.extreme(s, i, lane, 0, u, v).lt(zero);
+        inside = inside & F16::splat(s, 0.0).le(planes.greatest(s, i, lane, u, v));
     }
-    let wanted = !outside.bits() & subs;
-    if wanted == 0 {
-        return (0, 0);
-    }
-    let doubt = F16::splat(s, k.edge_doubt[lane]);
-    let mut covered = doubt.lt(k.extreme(s, 0, lane, 1, u, v));
-    for i in 1..DEPTH {
-        covered = covered & doubt.lt(k.extreme(s, i, lane, 1, u, v));
-    }
-    if ANY {
-        let near = k.extreme(s, DEPTH, lane, 1, u, v) - F16::splat(s, k.depth_doubt[lane]);
-        covered = covered & F16::load(s, &state.ceiling).lt(near);
-    }
-    let covered = covered.bits() & wanted;
-    (wanted & !covered, covered)
+    inside.bits()
 }
 
-/// The rays of a sub-packet that lies inside the triangle: it becomes the nearest hit of all of them if it is beyond
-/// doubt; otherwise nothing changes.
-#[inline(always)]
-fn cover<S: Simd, const ANY: bool>(
-    s: S,
-    packet: &TilePacket,
-    state: &mut State,
-    lane: usize,
-    sub: usize,
-    slot: u32,
-    prim: u32,
-) -> bool {
-    if skipping(s, packet, sub, prim) != 0 {
-        return false;
-    }
-    if ANY {
-        state.live[sub] = 0;
-        return true;
-    }
-    let u = F16::load(s, &rays(&packet.u)[sub]);
-    let v = F16::load(s, &rays(&packet.v)[sub]);
-    let w = state.triangles.value(s, DEPTH, lane, u, v);
-    let w_lo = w - F16::splat(s, state.triangles.depth_doubt[lane]);
-    // Rays that take no part have hi = infinity.
-    if F16::load(s, &state.hi[sub]).lt(w_lo).bits() != 0xffff {
-        return false;
-    }
-    w.store(&mut state.hi[sub]);
-    w_lo.store(&mut state.lo[sub]);
-    I32::splat(s, slot).store(&mut state.slot[sub]);
-    true
-}
-
-/// Tests the rays of a sub-packet against one triangle; true if any was decided.
+/// Tests the rays of a sub-packet against triangle `lane` of block `index`; true if any was decided.
 #[inline(always)]
 fn test<S: Simd, const ANY: bool>(
     s: S,
     bvh: &BvhView,
     packet: &TilePacket,
     state: &mut State,
+    planes: &BlockPlanes,
+    index: usize,
     lane: usize,
     sub: usize,
-    slot: u32,
-    prim: u32,
 ) -> bool {
-    let k = &state.triangles;
     let u = F16::load(s, &rays(&packet.u)[sub]);
     let v = F16::load(s, &rays(&packet.v)[sub]);
-    let inside = k.value(s, 0, lane, u, v).min(k.value(s, 1, lane, u, v)).min(k.value(s, 2, lane, u, v));
-    let w = k.value(s, DEPTH, lane, u, v);
-    let lo = F16::load(s, &state.lo[sub]);
+    let e0 = planes.value(s, 0, lane, u, v);
+    let inside = e0.min(planes.value(s, 1, lane, u, v)).min(planes.value(s, 2, lane, u, v));
+    let w = planes.value(s, DEPTH, lane, u, v);
+    let (lo, hi) = (F16::load(s, &state.lo[sub]), F16::load(s, &state.hi[sub]));
     let candidate = F16::splat(s, 0.0).le(inside) & lo.le(w);
-    let live = u32::from(state.live[sub]);
-    let mut candidates = candidate.bits() & live;
-    if candidates == 0 {
-        return false;
+    let w_lo = w - planes.depth_doubt(s, lane);
+    let sure = candidate & planes.edge_doubt(s, lane).lt(inside) & hi.lt(w_lo);
+    // Rays that are decided or take no part are not live.
+    let mut candidates = candidate.bits() & u32::from(state.live[sub]);
+    if packet.bounded {
+        let prim = I32::splat(s, bvh.blocks[index].prim[lane]);
+        candidates &= !I32::load(s, &rays(&packet.skip)[sub]).eq(prim).bits();
     }
-    candidates &= !skipping(s, packet, sub, prim);
-    let hi = F16::load(s, &state.hi[sub]);
-    let w_lo = w - F16::splat(s, k.depth_doubt[lane]);
-    let sure = candidate & F16::splat(s, k.edge_doubt[lane]).lt(inside) & hi.lt(w_lo);
-    let sure_bits = sure.bits() & candidates;
+    let sure = sure.bits() & candidates;
     if ANY {
-        state.live[sub] &= !(sure_bits as u16);
+        state.live[sub] &= !(sure as u16);
     } else {
-        let sure = Mask::from_bits(s, sure_bits);
+        let sure = Mask::from_bits(s, sure);
         sure.select(w_lo, lo).store(&mut state.lo[sub]);
         sure.select(w, hi).store(&mut state.hi[sub]);
-        let slots = I32::load(s, &state.slot[sub]);
-        sure.iselect(I32::splat(s, slot), slots).store(&mut state.slot[sub]);
+        let slot = I32::splat(s, (index * 8 + lane) as u32);
+        sure.iselect(slot, I32::load(s, &state.slot[sub])).store(&mut state.slot[sub]);
     }
-    let doubtful = candidates & !sure_bits;
-    let mut decided = sure_bits != 0;
+    let doubtful = candidates & !sure;
+    let mut decided = sure != 0;
     if doubtful != 0 {
-        decided |= settle::<ANY>(bvh, packet, state, doubtful, sub, slot);
+        decided |= settle::<ANY>(bvh, packet, state, doubtful, sub, (index * 8 + lane) as u32);
     }
     decided
-}
-
-/// The rays of a sub-packet for which a primitive does not count.
-#[inline(always)]
-fn skipping<S: Simd>(s: S, packet: &TilePacket, sub: usize, prim: u32) -> u32 {
-    I32::load(s, &rays(&packet.skip)[sub]).eq(I32::<S, 16>::splat(s, prim)).bits()
 }
 
 /// Decides the doubtful rays of a sub-packet exactly; true if one hits.
@@ -272,7 +164,7 @@ fn settle<const ANY: bool>(
         let ray = sub * SUB + i;
         let direction = [packet.u[ray], packet.v[ray], 1.0];
         let best = state.slot[sub][i];
-        if let Some(t) = nearer(bvh, &state.frame, direction, [0.0, packet.tfar[ray]], slot, best) {
+        if let Some(t) = nearer(bvh, &state.frame, direction, [0.0, packet.tfar(ray)], slot, best) {
             decided = true;
             if ANY {
                 state.live[sub] &= !(1 << i);

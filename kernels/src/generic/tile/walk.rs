@@ -1,6 +1,6 @@
 //! Walking the tree: which children anyone has to visit, nearest first.
 
-use super::{State, triangles::leaf};
+use super::{State, scratch::LeafCache, triangles::leaf};
 use crate::{
     generic::{F8, F16, stack::Stack},
     node::{BvhView, EMPTY_NODE, Node, NodeRef},
@@ -20,6 +20,7 @@ struct Entry {
 
 /// Box planes of a node's children relative to the origin, in permuted axes; depth cut off at zero. In memory so
 /// that they can be broadcast.
+#[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Planes {
     x: [[f32; 8]; 2],
@@ -38,6 +39,7 @@ pub(super) fn traverse<S: Simd, const ANY: bool>(
     bvh: &BvhView,
     packet: &TilePacket,
     state: &mut State,
+    leaves: &mut LeafCache,
     root: NodeRef,
 ) -> NodeRef {
     let mut last = EMPTY_NODE;
@@ -48,7 +50,7 @@ pub(super) fn traverse<S: Simd, const ANY: bool>(
     let mut entry = Entry { node: root, subs: state.live_subs, near: 0.0 };
     loop {
         if entry.node.is_leaf() {
-            last = leaf::<S, ANY>(s, bvh, packet, state, entry.node, entry.subs, last);
+            last = leaf::<S, ANY>(s, bvh, packet, state, leaves, entry.node, entry.subs, last);
             if ANY && state.live_subs == 0 {
                 return last;
             }

@@ -1,0 +1,120 @@
+//! What the tile kernel keeps between packets: working memory, and the set-up of leaves it has met.
+//!
+//! The set-up of a block depends on the tree, the origin and the face alone, and neighbouring packets meet the same
+//! blocks: a small direct-mapped cache serves them. It changes the time, never the answer.
+
+use super::{
+    State,
+    block::{BlockPlanes, set_up},
+};
+use crate::{
+    generic::{Frame, finish::Planes},
+    node::BvhView,
+    packet::TilePacket,
+    simd::Simd,
+};
+
+/// Blocks remembered: 320 KiB, to stay in the second-level cache.
+const ENTRIES: usize = 512;
+/// Origins remembered; a picture with more lights than this loses a little time.
+const ORIGINS: usize = 16;
+
+/// What a set-up depends on: tree, origin, face.
+type Key = (u64, [u32; 3], usize);
+
+/// Working memory of the tile kernels: one for each thread, for any trees and packets. About 330 KiB.
+#[derive(Clone, Debug)]
+pub struct TileScratch {
+    pub(super) state: Box<State>,
+    pub(super) leaves: LeafCache,
+    pub(super) planes: Box<Planes>,
+}
+
+impl TileScratch {
+    /// Nothing remembered.
+    pub fn new() -> TileScratch {
+        TileScratch { state: Box::new(State::EMPTY), leaves: LeafCache::new(), planes: Box::new(Planes::new()) }
+    }
+}
+
+impl Default for TileScratch {
+    fn default() -> TileScratch {
+        TileScratch::new()
+    }
+}
+
+/// Set-ups by block, for the origins met last.
+#[derive(Clone, Debug)]
+pub(super) struct LeafCache {
+    blocks: Box<[BlockPlanes]>,
+    /// Epoch and block of each entry.
+    tags: Box<[u64; ENTRIES]>,
+    /// The epoch of each key; 0 is no epoch.
+    keys: [(Key, u32); ORIGINS],
+    /// Place of the current key.
+    current: usize,
+    next: usize,
+    epochs: u32,
+}
+
+impl LeafCache {
+    fn new() -> LeafCache {
+        LeafCache {
+            blocks: vec![BlockPlanes::EMPTY; ENTRIES].into_boxed_slice(),
+            tags: Box::new([0; ENTRIES]),
+            keys: [((0, [0; 3], 0), 0); ORIGINS],
+            current: 0,
+            next: 0,
+            epochs: 0,
+        }
+    }
+
+    /// Must be called before a packet's blocks are asked for.
+    #[inline(always)]
+    pub(super) fn begin(&mut self, bvh: &BvhView, packet: &TilePacket) {
+        let [x, y, z] = packet.org;
+        let key = (bvh.id, [x.to_bits(), y.to_bits(), z.to_bits()], packet.face.index());
+        let (current, epoch) = self.keys[self.current % ORIGINS];
+        if epoch == 0 || current != key {
+            self.change(key);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn change(&mut self, key: Key) {
+        if let Some(at) = self.keys.iter().position(|&(known, epoch)| known == key && epoch != 0) {
+            self.current = at;
+            return;
+        }
+        if self.epochs == u32::MAX {
+            // Epochs start again: nothing of the old ones may be taken for new.
+            self.epochs = 0;
+            self.keys = [((0, [0; 3], 0), 0); ORIGINS];
+            self.tags.fill(0);
+        }
+        self.epochs += 1;
+        self.keys[self.next] = (key, self.epochs);
+        self.current = self.next;
+        self.next = (self.next + 1) % ORIGINS;
+    }
+
+    /// Stands for the current tree, origin and face; never 0.
+    #[inline(always)]
+    pub(super) fn epoch(&self) -> u32 {
+        self.keys[self.current % ORIGINS].1
+    }
+
+    /// The set-up of a block for the current packet.
+    #[inline(always)]
+    pub(super) fn get<S: Simd>(&mut self, s: S, bvh: &BvhView, frame: &Frame, block: usize) -> &BlockPlanes {
+        let at = block % ENTRIES;
+        let tag = u64::from(self.epoch()) << 32 | block as u64;
+        let entry = &mut self.blocks[at];
+        if self.tags[at] != tag {
+            self.tags[at] = tag;
+            set_up(s, &bvh.blocks[block], frame, entry);
+        }
+        entry
+    }
+}

@@ -105,6 +105,12 @@ pub trait Lanes<const W: usize>: Copy + 'static {
 pub trait Simd: Lanes<8> + Lanes<16> {
     /// Which one it is.
     const ISA: Isa;
+
+    /// Asks for all cache lines of `target`; a hint.
+    #[inline(always)]
+    fn prefetch<T>(self, target: &T) {
+        let _ = target;
+    }
 }
 
 /// A computation that is generic over the instruction set, run by [`crate::Kernels::run`].

@@ -3,6 +3,7 @@
 use super::{
     lanes,
     pair::{halves, halves_mut, pair},
+    prefetch_lines,
 };
 use crate::{isa::Isa, simd::Simd};
 use core::arch::x86_64::*;
@@ -13,6 +14,11 @@ pub(crate) struct Avx2(pub(crate) ());
 
 impl Simd for Avx2 {
     const ISA: Isa = Isa::Avx2;
+
+    #[inline(always)]
+    fn prefetch<T>(self, target: &T) {
+        prefetch_lines(target);
+    }
 }
 
 lanes! { Avx2, 8, __m256, __m256i, __m256;

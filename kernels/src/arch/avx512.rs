@@ -1,6 +1,6 @@
 //! AVX-512 F, VL, DQ and BW: 16 lanes in a register; 8 lanes in half of one, with mask registers as well.
 
-use super::lanes;
+use super::{lanes, prefetch_lines};
 use crate::{isa::Isa, simd::Simd};
 use core::arch::x86_64::*;
 
@@ -10,6 +10,11 @@ pub(crate) struct Avx512(pub(crate) ());
 
 impl Simd for Avx512 {
     const ISA: Isa = Isa::Avx512;
+
+    #[inline(always)]
+    fn prefetch<T>(self, target: &T) {
+        prefetch_lines(target);
+    }
 }
 
 lanes! { Avx512, 16, __m512, __m512i, __mmask16;

@@ -14,6 +14,19 @@ mod sse42;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use {avx2::Avx2, avx512::Avx512, sse42::Sse42};
 
+/// [`crate::Simd::prefetch`] of x86-64.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn prefetch_lines<T>(target: &T) {
+    use core::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+    let first = core::ptr::from_ref(target).cast::<i8>();
+    for line in 0..size_of::<T>().div_ceil(64) {
+        // SAFETY: SSE is part of x86-64; a prefetch reads nothing, whatever the address, and `wrapping_add` makes no
+        // claim about it.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(first.wrapping_add(64 * line)) }
+    }
+}
+
 /// Implements [`crate::Lanes`] for a token from one expression per method.
 #[cfg(target_arch = "x86_64")]
 macro_rules! lanes {

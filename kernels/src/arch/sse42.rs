@@ -3,6 +3,7 @@
 use super::{
     lanes,
     pair::{halves, halves_mut, pair},
+    prefetch_lines,
 };
 use crate::{isa::Isa, simd::Simd};
 use core::arch::x86_64::*;
@@ -13,6 +14,11 @@ pub(crate) struct Sse42(pub(crate) ());
 
 impl Simd for Sse42 {
     const ISA: Isa = Isa::Sse42;
+
+    #[inline(always)]
+    fn prefetch<T>(self, target: &T) {
+        prefetch_lines(target);
+    }
 }
 
 lanes! { Sse42, 4, __m128, __m128i, __m128;

@@ -36,12 +36,11 @@ pub(crate) fn nearer(
         return None;
     }
     let [a, b, c] = triangle(block, lane, frame);
-    if !passes(a, b, c, d) {
-        return None;
-    }
+    let narrow = d;
     let d = wide(d);
     let t = Canonical::new(a, b, c).depth(d);
-    if !(t >= f64::from(tnear) && t <= f64::from(tfar)) {
+    // What is cheaper decides first.
+    if !(t >= f64::from(tnear) && t <= f64::from(tfar) && passes(a, b, c, narrow)) {
         return None;
     }
     if best != NO_SLOT {

@@ -47,19 +47,15 @@ impl Kernel for Survey<'_> {
         let infinity = F32::<S, SUB>::splat(s, f32::INFINITY);
         let rays = self.rays;
         let (us, vs) = (rays.u.as_chunks::<SUB>().0, rays.v.as_chunks::<SUB>().0);
-        for ((u, v), faces) in us.iter().zip(vs).zip(rays.face.as_chunks::<SUB>().0) {
-            let face = I32::load(s, faces);
-            let mut active = 0;
-            let mut common = 6;
-            for f in 0..6 {
-                let of_face = face.eq(I32::splat(s, f)).bits();
-                if of_face != 0 {
-                    common = if active == 0 { f } else { 6 };
-                    active |= of_face;
-                }
-            }
+        let faces = rays.face.as_chunks::<SUB>().0;
+        let (ends, skips) = (rays.tfar.as_chunks::<SUB>().0, rays.skip.as_chunks::<SUB>().0);
+        for index in 0..faces.len() {
+            // Packets will want these in another order, which no prefetcher can foresee.
+            s.prefetch(&ends[index]);
+            s.prefetch(&skips[index]);
+            let (active, common) = faces_of(s, &faces[index]);
             let mask = Mask::from_bits(s, active);
-            let (u, v) = (F32::load(s, u), F32::load(s, v));
+            let (u, v) = (F32::load(s, &us[index]), F32::load(s, &vs[index]));
             self.blocks.push(Block {
                 active: active as u16,
                 face: common,
@@ -68,4 +64,23 @@ impl Kernel for Survey<'_> {
             });
         }
     }
+}
+
+/// The wanted rays of a block, as bits, and their common face, 6 if they have none.
+#[inline(always)]
+fn faces_of<S: Simd>(s: S, faces: &[u32; SUB]) -> (u32, u32) {
+    let face = I32::<S, SUB>::load(s, faces);
+    let first = faces[0];
+    if face.eq(I32::splat(s, first)).bits() == 0xffff {
+        return if first < 6 { (0xffff, first) } else { (0, 6) };
+    }
+    let (mut active, mut common) = (0, 6);
+    for f in 0..6 {
+        let of_face = face.eq(I32::splat(s, f)).bits();
+        if of_face != 0 {
+            common = if active == 0 { f } else { 6 };
+            active |= of_face;
+        }
+    }
+    (active, common)
 }

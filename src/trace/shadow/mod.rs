@@ -14,11 +14,13 @@
 
 mod blocks;
 mod morton;
+mod packets;
 
 use super::Traversal;
 use crate::kernels::{EMPTY_NODE, Face, NodeRef, SUB, SUBS, TilePacket, TileScratch};
 use blocks::{Block, survey};
 use morton::{Grid, key};
+use packets::{Cast, Clear, Fill};
 
 /// Rays from one origin as structure of arrays, all slices of equal length, a multiple of 16.
 #[derive(Clone, Copy, Debug)]
@@ -41,9 +43,7 @@ pub const NO_OCCLUDER: NodeRef = EMPTY_NODE;
 /// Sixteen rays that are traced as one sub-packet.
 #[derive(Clone, Copy, Debug)]
 struct Group {
-    /// Sorts groups by face, then along a Morton curve.
-    key: u32,
-    /// First ray: of the stream, or of `order` for loose rays.
+    /// Block of the stream, or place of the first ray in `loose`.
     first: u32,
     loose: bool,
     active: u16,
@@ -55,8 +55,10 @@ pub struct PointShadows {
     blocks: Vec<Block>,
     sizes: Vec<f32>,
     groups: Vec<Group>,
+    /// Sort key and index of each group.
+    order: Vec<u64>,
     /// Sort key and index of each loose ray.
-    loose: Vec<(u32, u32)>,
+    loose: Vec<u64>,
     packet: TilePacket,
     scratch: TileScratch,
 }
@@ -76,38 +78,38 @@ impl PointShadows {
         self.packet.org = origin;
         let mut traced = 0;
         let mut first = 0;
-        while let Some(group) = self.groups.get(first) {
-            let face = group.key >> morton::BITS;
-            let same = |group: &&Group| group.key >> morton::BITS == face;
-            let count = self.groups[first..].iter().take(SUBS).take_while(same).count();
-            traced += self.trace_packet(traversal, rays, first..first + count, seed, visible);
+        while let Some(&group) = self.order.get(first) {
+            let count = run_of_face(&self.order[first..], SUBS);
+            traced += self.trace_packet(traversal, rays, first..first + count, face_of(group), seed, visible);
             first += count;
         }
         traced
     }
 
-    /// Fills `groups`, in the order in which they are cut into packets.
+    /// Fills `groups`, and `order` with the order in which they are cut into packets.
     fn regroup(&mut self, traversal: &Traversal, rays: &ShadowRays) {
         survey(traversal.kernels(), rays, &mut self.blocks);
         let limit = self.size_limit();
         let grids = Grid::around(&self.blocks);
         self.groups.clear();
+        self.order.clear();
         self.loose.clear();
         for (index, block) in self.blocks.iter().enumerate().filter(|(_, block)| block.active != 0) {
-            let first = index * SUB;
             let whole = block.face < 6 && block.active.count_ones() >= 8 && block.size() <= limit;
             if whole {
                 let [u, v] = block.center();
                 let key = key(&grids, block.face, u, v);
-                self.groups.push(Group { key, first: first as u32, loose: false, active: block.active });
+                self.order.push(sortable(key, self.groups.len()));
+                self.groups.push(Group { first: index as u32, loose: false, active: block.active });
             } else {
+                let first = index * SUB;
                 for i in (first..first + SUB).filter(|&i| rays.face[i] < 6) {
-                    self.loose.push((key(&grids, rays.face[i], rays.u[i], rays.v[i]), i as u32));
+                    self.loose.push(sortable(key(&grids, rays.face[i], rays.u[i], rays.v[i]), i));
                 }
             }
         }
         self.group_loose();
-        self.groups.sort_unstable_by_key(|group| (group.key, group.first, group.loose));
+        self.order.sort_unstable();
     }
 
     /// Blocks larger than this are taken apart: a few times the size of a typical one.
@@ -126,12 +128,11 @@ impl PointShadows {
     fn group_loose(&mut self) {
         self.loose.sort_unstable();
         let mut first = 0;
-        while let Some(&(key, _)) = self.loose.get(first) {
-            let face = key >> morton::BITS;
-            let same = |ray: &&(u32, u32)| ray.0 >> morton::BITS == face;
-            let count = self.loose[first..].iter().take(SUB).take_while(same).count();
+        while let Some(&ray) = self.loose.get(first) {
+            let count = run_of_face(&self.loose[first..], SUB);
             let active = ((1u32 << count) - 1) as u16;
-            self.groups.push(Group { key, first: first as u32, loose: true, active });
+            self.order.push(sortable((ray >> 32) as u32, self.groups.len()));
+            self.groups.push(Group { first: first as u32, loose: true, active });
             first += count;
         }
     }
@@ -141,45 +142,34 @@ impl PointShadows {
         traversal: &Traversal,
         rays: &ShadowRays,
         range: std::ops::Range<usize>,
+        face: usize,
         seed: &mut NodeRef,
         visible: &mut [f32],
     ) -> u64 {
-        let groups = &self.groups[range];
-        let packet = &mut self.packet;
-        packet.face = Face::ALL[(groups[0].key >> morton::BITS) as usize];
+        let PointShadows { groups, order, loose, packet, scratch, .. } = self;
+        packet.face = Face::ALL[face];
         packet.active = [0; SUBS];
-        let mut traced = 0;
-        for (sub, group) in groups.iter().enumerate() {
-            let to = sub * SUB..sub * SUB + SUB;
-            let first = group.first as usize;
-            packet.active[sub] = group.active;
-            traced += u64::from(group.active.count_ones());
-            if group.loose {
-                for (ray, &(_, i)) in to.zip(self.loose[first..].iter().take(SUB)) {
-                    let i = i as usize;
-                    packet.u[ray] = rays.u[i];
-                    packet.v[ray] = rays.v[i];
-                    packet.tfar[ray] = rays.tfar[i];
-                    packet.skip[ray] = rays.skip[i];
-                }
-            } else {
-                let from = first..first + SUB;
-                packet.u[to.clone()].copy_from_slice(&rays.u[from.clone()]);
-                packet.v[to.clone()].copy_from_slice(&rays.v[from.clone()]);
-                packet.tfar[to.clone()].copy_from_slice(&rays.tfar[from.clone()]);
-                packet.skip[to].copy_from_slice(&rays.skip[from]);
-            }
-        }
+        let kernels = traversal.kernels();
+        let cast = Cast { groups, order: &order[range], loose };
+        let traced = kernels.run(Fill { cast, rays, packet });
         let mut blocked = [0; SUBS];
-        traversal.occluded(packet, &mut self.scratch, seed, &mut blocked);
-        for (group, mut bits) in groups.iter().zip(blocked) {
-            let first = group.first as usize;
-            while bits != 0 {
-                let i = first + bits.trailing_zeros() as usize;
-                bits &= bits - 1;
-                visible[if group.loose { self.loose[i].1 as usize } else { i }] = 0.0;
-            }
-        }
+        traversal.occluded(packet, scratch, seed, &mut blocked);
+        kernels.run(Clear { cast, blocked: &blocked, visible });
         traced
     }
+}
+
+/// Sorts by key; the index makes it unique.
+fn sortable(key: u32, index: usize) -> u64 {
+    u64::from(key) << 32 | index as u64
+}
+
+/// The face that a sortable key belongs to.
+fn face_of(sortable: u64) -> usize {
+    (sortable >> 32 >> morton::BITS) as usize
+}
+
+/// How many of the first `most` have the face of the first.
+fn run_of_face(sorted: &[u64], most: usize) -> usize {
+    sorted.iter().take(most).take_while(|&&other| face_of(other) == face_of(sorted[0])).count()
 }

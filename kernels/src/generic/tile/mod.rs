@@ -32,7 +32,7 @@ use crate::{
     simd::Simd,
     vector::{I32, Mask},
 };
-use triangles::Pairs;
+use triangles::Batch;
 use walk::Planes;
 
 /// Sixteen floats for each sub-packet: one per ray.
@@ -55,7 +55,9 @@ struct State {
     reach: [f32; SUBS],
     /// Working space of `walk` and `triangles`.
     planes: Planes,
-    pairs: Pairs,
+    batch: Batch,
+    /// Slot of the triangle that decided a ray last.
+    last: u32,
     /// Rays still to be decided.
     live: [u16; SUBS],
     /// Sub-packets with such rays.
@@ -99,16 +101,13 @@ pub(crate) fn occluded<S: Simd>(
     let TileScratch { state, leaves, .. } = scratch;
     state.begin(s, packet);
     leaves.begin(bvh, packet);
-    let mut last = EMPTY_NODE;
     if *seed != EMPTY_NODE && seed.block() < bvh.blocks.len() {
         let subs = state.live_subs;
-        last = triangles::leaf::<S, true>(s, bvh, packet, state, leaves, *seed, subs, last);
+        triangles::list(s, bvh, state, leaves, *seed, subs);
+        triangles::work_off::<S, true>(s, bvh, packet, state, leaves);
     }
-    if state.live_subs != 0 {
-        let found = walk::traverse::<S, true>(s, bvh, packet, state, leaves, bvh.root);
-        last = if found == EMPTY_NODE { last } else { found };
-    }
-    *seed = last;
+    walk::traverse::<S, true>(s, bvh, packet, state, leaves, bvh.root);
+    *seed = if state.last == NO_SLOT { EMPTY_NODE } else { NodeRef::triangle(state.last) };
     for sub in 0..SUBS {
         blocked[sub] = packet.active[sub] & !state.live[sub];
     }
@@ -123,7 +122,8 @@ impl State {
         v: [[0.0; SUBS]; 2],
         reach: [0.0; SUBS],
         planes: Planes::EMPTY,
-        pairs: Pairs::NONE,
+        batch: Batch::NONE,
+        last: NO_SLOT,
         live: [0; SUBS],
         live_subs: 0,
         tile_u: [0.0; 2],
@@ -141,6 +141,7 @@ impl State {
         infinity.store(&mut self.v[0]);
         (-infinity).store(&mut self.v[1]);
         infinity.store(&mut self.reach);
+        self.last = NO_SLOT;
         self.live = packet.active;
         self.live_subs = 0;
         self.frame = Frame::new(packet.org, packet.face);

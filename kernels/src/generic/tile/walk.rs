@@ -1,6 +1,6 @@
 //! Walking the tree: which children anyone has to visit, nearest first.
 
-use super::{State, scratch::LeafCache, triangles::leaf};
+use super::{State, scratch::LeafCache, triangles::{list, work_off}};
 use crate::{
     generic::{F8, F16, stack::Stack},
     node::{BvhView, EMPTY_NODE, Node, NodeRef},
@@ -32,7 +32,7 @@ impl Planes {
     pub(super) const EMPTY: Planes = Planes { x: [[0.0; 8]; 2], y: [[0.0; 8]; 2], z: [[0.0; 8]; 2] };
 }
 
-/// Walks the tree from `root`; returns the leaf that decided a ray last ([`EMPTY_NODE`] if none did).
+/// Walks the tree from `root`.
 #[inline(always)]
 pub(super) fn traverse<S: Simd, const ANY: bool>(
     s: S,
@@ -41,65 +41,112 @@ pub(super) fn traverse<S: Simd, const ANY: bool>(
     state: &mut State,
     leaves: &mut LeafCache,
     root: NodeRef,
-) -> NodeRef {
-    let mut last = EMPTY_NODE;
+) {
     if root == EMPTY_NODE || state.live_subs == 0 {
-        return last;
+        return;
     }
     let mut stack = Stack::new();
-    let mut entry = Entry { node: root, subs: state.live_subs, near: 0.0 };
+    stack.push(Entry { node: root, subs: state.live_subs, near: 0.0 });
     loop {
-        if entry.node.is_leaf() {
-            last = leaf::<S, ANY>(s, bvh, packet, state, leaves, entry.node, entry.subs, last);
-            if ANY && state.live_subs == 0 {
-                return last;
+        let entry = next(s, state, &mut stack);
+        // Whether what is listed must be tested now.
+        let mut now = !ANY;
+        match entry {
+            None => now = true,
+            Some(entry) if entry.node.is_leaf() => {
+                list(s, bvh, state, leaves, entry.node, entry.subs);
+                now = true;
             }
-        } else if children(s, &bvh.nodes[entry.node.index()], state, entry.subs, &mut stack, &mut entry) {
-            continue;
+            Some(entry) => now |= children(s, bvh, state, leaves, &mut stack, entry),
         }
-        loop {
-            match stack.pop() {
-                None => return last,
-                Some(next) => entry = next,
+        if state.batch.is_empty() {
+            leaves.release();
+        } else if now || state.batch.is_enough() {
+            work_off::<S, ANY>(s, bvh, packet, state, leaves);
+            if ANY && state.live_subs == 0 {
+                return;
             }
-            entry.subs = state.interested(s, entry.near, entry.subs);
-            if entry.subs != 0 {
-                break;
-            }
+        }
+        if entry.is_none() {
+            return;
         }
     }
 }
 
-/// Tests a node's children; pushes all that anyone must visit but the nearest, which becomes `next`. False if there
-/// is none.
+/// The next subtree that anyone must visit.
+#[inline(always)]
+fn next<S: Simd>(s: S, state: &State, stack: &mut Stack<Entry>) -> Option<Entry> {
+    loop {
+        let mut entry = stack.pop()?;
+        entry.subs = state.interested(s, entry.near, entry.subs);
+        if entry.subs != 0 {
+            return Some(entry);
+        }
+    }
+}
+
+/// Tests a node's children: lists the triangles of leaves, pushes inner nodes, the nearest last. True if a leaf had
+/// to be pushed, because its set-up would replace one that is still needed.
 #[inline(always)]
 fn children<S: Simd>(
     s: S,
-    node: &Node,
+    bvh: &BvhView,
     state: &mut State,
-    subs: u32,
+    leaves: &mut LeafCache,
     stack: &mut Stack<Entry>,
-    next: &mut Entry,
+    entry: Entry,
 ) -> bool {
-    let mut left = tile_test(s, node, state);
+    let node = &bvh.nodes[entry.node.index()];
+    let left = tile_test(s, node, state);
+    let is_leaf = node.leaves(s);
+    let mut left_leaves = left & is_leaf;
+    let mut left_nodes = left & !is_leaf;
+    fetch_blocks(s, bvh, leaves, node, left_leaves);
     let bottom = stack.len();
-    while left != 0 {
-        let child = (left.trailing_zeros() & 7) as usize;
-        left &= left - 1;
-        let wanted = sub_test(s, child, state) & subs;
+    while left_nodes != 0 {
+        let child = (left_nodes.trailing_zeros() & 7) as usize;
+        left_nodes &= left_nodes - 1;
+        let wanted = sub_test(s, child, state) & entry.subs;
         if wanted != 0 {
             let near = state.planes.z[0][child];
+            fetch(s, bvh, node.child[child]);
             stack.insert(bottom, Entry { node: node.child[child], subs: wanted, near }, |e| e.near < near);
         }
     }
-    if stack.len() == bottom {
-        return false;
+    let mut pushed = false;
+    while left_leaves != 0 {
+        let child = (left_leaves.trailing_zeros() & 7) as usize;
+        left_leaves &= left_leaves - 1;
+        let (node, subs) = (node.child[child], sub_test(s, child, state) & entry.subs);
+        if subs == 0 {
+            continue;
+        }
+        if leaves.is_in_the_way(node.block()) {
+            stack.push(Entry { node, subs, near: state.planes.z[0][child] });
+            pushed = true;
+        } else {
+            list(s, bvh, state, leaves, node, subs);
+        }
     }
-    match stack.pop() {
-        Some(nearest) => *next = nearest,
-        None => return false,
+    pushed
+}
+
+/// Asks for an inner node, because it will be visited.
+#[inline(always)]
+fn fetch<S: Simd>(s: S, bvh: &BvhView, child: NodeRef) {
+    s.prefetch(&bvh.nodes[child.index()]);
+}
+
+/// Asks for the triangles of leaves that are not set up.
+#[inline(always)]
+fn fetch_blocks<S: Simd>(s: S, bvh: &BvhView, leaves: &LeafCache, node: &Node, mut children: u32) {
+    while children != 0 {
+        let block = node.child[(children.trailing_zeros() & 7) as usize].block();
+        children &= children - 1;
+        if !leaves.has(block) {
+            s.prefetch(&bvh.blocks[block]);
+        }
     }
-    true
 }
 
 /// Which children the tile's frustum may touch, lane = child.

@@ -89,7 +89,10 @@ impl Library {
     fn unknown(&self, spec: &str) -> Error {
         let mut names: Vec<String> = procedural::NAMES.iter().map(ToString::to_string).collect();
         names.extend(self.descriptions().into_iter().map(|(name, _)| name));
-        let folders: Vec<String> = self.scenes.iter().map(|folder| folder.display().to_string()).collect();
+        // In full, because the first of them is meant from where the user is.
+        let full = |folder: &PathBuf| std::path::absolute(folder).unwrap_or_else(|_| folder.clone());
+        let folders: Vec<String> =
+            self.scenes.iter().map(|folder| full(folder).display().to_string()).collect();
         let what =
             format!("is neither a file nor a scene that is built in or described in {}", folders.join(", "));
         Error::file(spec, what, format!("give a .toml or .obj file or one of {}", names.join(", ")))

@@ -7,5 +7,6 @@ mod cli; // the commands as users run them
 mod entries; // kernels without calls
 mod images;
 mod layering; // who may know whom
+mod light; // direct light against a plain reference
 mod scene_load; // readers, scene descriptions, names
 mod support; // oracles, meshes, random numbers

@@ -136,6 +136,9 @@ impl State {
     /// Forgets the previous packet.
     #[inline(always)]
     fn begin<S: Simd>(&mut self, s: S, packet: &TilePacket) {
+        // Packets are large: ask for all of it before waiting for the first line.
+        s.prefetch(&packet.u);
+        s.prefetch(&packet.v);
         let infinity = F16::splat(s, f32::INFINITY);
         infinity.store(&mut self.u[0]);
         (-infinity).store(&mut self.u[1]);

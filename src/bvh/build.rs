@@ -3,7 +3,7 @@
 use super::{
     binary::Builder,
     collapse::collapse,
-    reference::{Reference, references},
+    reference::{references, room},
     reinsert::reinserted,
     split::Task,
 };
@@ -11,6 +11,7 @@ use crate::{
     kernels::{EMPTY_NODE, Node, NodeRef, TriBlock},
     scene::TriangleMesh,
 };
+use rayon::prelude::*;
 use std::{fmt, str::FromStr};
 
 /// How much time the build may spend on a better tree.
@@ -63,13 +64,17 @@ pub(super) fn wide(mesh: &TriangleMesh, preset: BuildPreset) -> (Vec<Node>, Vec<
     }
     let stop = match preset {
         BuildPreset::Fast => 4,
-        BuildPreset::Medium | BuildPreset::Slow => 1,
+        BuildPreset::Medium => 2,
+        BuildPreset::Slow => 1,
     };
     let mut from = references(mesh);
-    let mut spare = vec![Reference::NONE; from.len()];
+    let mut spare = room(from.len());
     let mut tree = Builder { stop }.build(Task { from: &mut from, spare: &mut spare });
     if preset == BuildPreset::Slow {
         tree = reinserted(tree);
     }
-    collapse(&tree, mesh)
+    let wide = collapse(&tree, mesh);
+    // Giving back so much memory takes a while as well.
+    rayon::join(|| drop((from, spare)), || tree.grains.into_par_iter().for_each(drop));
+    wide
 }

@@ -86,6 +86,11 @@ pub(super) fn references(mesh: &TriangleMesh) -> Vec<Reference> {
     (0..mesh.len()).into_par_iter().with_min_len(CHUNK).map(reference).collect()
 }
 
+/// Memory for so many references.
+pub(super) fn room(count: usize) -> Vec<Reference> {
+    (0..count).into_par_iter().with_min_len(CHUNK).map(|_| Reference::NONE).collect()
+}
+
 /// What is around a set of references.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent {

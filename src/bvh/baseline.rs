@@ -47,7 +47,7 @@ fn convert(ray: &Ray) -> ObvhsRay {
 }
 
 /// PLOC, then reinsertion of every node; one triangle a leaf.
-fn binary(mesh: &TriangleMesh) -> Bvh2 {
+pub(super) fn binary(mesh: &TriangleMesh) -> Bvh2 {
     let boxes: Vec<Aabb> = (0..mesh.len())
         .map(|prim| {
             let [a, b, c] = mesh.corners(prim);

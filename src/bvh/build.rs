@@ -3,8 +3,8 @@
 use super::{
     binary::Builder,
     collapse::collapse,
+    merged::merged,
     reference::{references, room},
-    reinsert::reinserted,
     split::Task,
 };
 use crate::{
@@ -62,6 +62,12 @@ pub(super) fn wide(mesh: &TriangleMesh, preset: BuildPreset) -> (Vec<Node>, Vec<
     if mesh.is_empty() {
         return (Vec::new(), Vec::new(), EMPTY_NODE);
     }
+    if preset == BuildPreset::Slow
+        && let Some(tree) = merged(mesh)
+    {
+        return collapse(&tree, mesh);
+    }
+    // A tree that was merged too deep is split instead, down to single triangles.
     let stop = match preset {
         BuildPreset::Fast => 4,
         BuildPreset::Medium => 2,
@@ -69,10 +75,7 @@ pub(super) fn wide(mesh: &TriangleMesh, preset: BuildPreset) -> (Vec<Node>, Vec<
     };
     let mut from = references(mesh);
     let mut spare = room(from.len());
-    let mut tree = Builder { stop }.build(Task { from: &mut from, spare: &mut spare });
-    if preset == BuildPreset::Slow {
-        tree = reinserted(tree);
-    }
+    let tree = Builder { stop }.build(Task { from: &mut from, spare: &mut spare });
     let wide = collapse(&tree, mesh);
     // Giving back so much memory takes a while as well.
     rayon::join(|| drop((from, spare)), || tree.grains.into_par_iter().for_each(drop));

@@ -1,13 +1,13 @@
 //! The tree over a scene's triangles.
 //!
 //! ```text
-//!   triangles --reference--> boxes --split--> binary tree --reinsert (slow only)-->
-//!     --choice, collapse, pack--> 8-wide nodes + blocks of 8 triangles
+//!   triangles --reference--> boxes --split--> binary tree --choice, collapse, pack--> 8-wide nodes + blocks of 8
+//!        \--merged (slow only)----------------/
 //! ```
 //!
 //! All of it runs on rayon's threads, so never call it from a pinned thread: they would inherit its CPU. The tree
-//! does not depend on their number. obvhs moves nodes for `slow`, and is a baseline of its own; no other module
-//! names it.
+//! does not depend on their number. `slow` takes its binary tree from obvhs, which is also a baseline of its own; no
+//! other module names it.
 //!
 //! Boxes always enclose whole triangles, because the kernels' proof that no hit is lost needs every vertex inside
 //! every box above it.
@@ -17,9 +17,9 @@ mod binary;
 mod build;
 mod choice;
 mod collapse;
+mod merged;
 mod pack;
 mod reference;
-mod reinsert;
 mod report;
 mod split;
 mod validate;

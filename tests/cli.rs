@@ -220,6 +220,9 @@ fn a_file_that_cannot_be_written_is_refused_before_the_work() {
         ("-o no/a.png", "no/a.png"),
         ("--export-json no/a.json", "no/a.json"),
         ("-o .", "."),
+        // Nobody may create files there, not even root.
+        #[cfg(target_os = "linux")]
+        ("-o /proc/a.png", "/proc/a.png"),
     ] {
         let message = folder.fail(&format!("render --size 4000x4000 --frames 1000 {flags}"), 2);
         assert!(message.starts_with(&format!("{named}: ")), "{message}");
@@ -405,5 +408,8 @@ fn an_unreadable_scene_is_answered_with_the_file_and_exit_code_2() {
             assert!(message.contains(scene.trim_end_matches("@0")), "{command} {scene}: {message}");
         }
     }
+    let output = folder.irt("render").arg("").output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8(output.stderr).unwrap().starts_with("irt: SCENE: the name is empty; "));
     assert_eq!(folder.names(), ["a.obj", "a.toml", "a.txt"]);
 }

@@ -2,10 +2,12 @@
 
 mod agree; // every kernel against brute force
 mod batch; // many rays at once against single rays
+mod build; // trees on every kind of input
 mod cli; // the commands as users run them
 #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
 mod entries; // kernels without calls
 mod images;
 mod layering; // who may know whom
+mod light; // direct light against a plain reference
 mod scene_load; // readers, scene descriptions, names
 mod support; // oracles, meshes, random numbers

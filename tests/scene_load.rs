@@ -160,6 +160,7 @@ fn names_are_found_by_their_end_and_unknown_ones_list_all() {
     assert!(error("bad").contains("bad.toml:1: column"), "{}", error("bad"));
     let unknown = error("nothing");
     assert!(unknown.starts_with("nothing: is neither"), "{unknown}");
+    assert!(unknown.contains(&scenes.path().display().to_string()), "{unknown}");
     for name in ["a/both", "a/one", "b/bad", "b/both"].iter().chain(irt::scene::procedural::NAMES) {
         assert!(unknown.contains(name), "`{name}` is not in {unknown}");
     }

@@ -10,6 +10,7 @@ use libloading::{Library, Symbol};
 use std::{
     ffi::{CString, c_char, c_void},
     path::{Path, PathBuf},
+    sync::atomic::{AtomicI64, Ordering},
 };
 
 type Handle = *mut c_void;
@@ -100,6 +101,8 @@ impl<const W: usize> Rays<W> {
 pub struct Embree {
     library: Library,
     device: Handle,
+    /// Bytes that the device holds.
+    bytes: Box<AtomicI64>,
 }
 
 /// How well Embree builds its tree: `RTCBuildQuality`.
@@ -137,12 +140,29 @@ impl Embree {
 
     fn with(library: Library, config: &str) -> Result<Embree, String> {
         let config = CString::new(config).map_err(|_| "the configuration has a zero byte".to_string())?;
-        let mut embree = Embree { library, device: std::ptr::null_mut() };
+        let mut embree = Embree { library, device: std::ptr::null_mut(), bytes: Box::default() };
         // SAFETY: signature as in rtcore_device.h; the string outlives the call.
         embree.device = unsafe {
             embree.get::<unsafe extern "C" fn(*const c_char) -> Handle>("rtcNewDevice")?(config.as_ptr())
         };
-        if embree.device.is_null() { Err("Embree made no device".into()) } else { Ok(embree) }
+        if embree.device.is_null() {
+            return Err("Embree made no device".into());
+        }
+        let bytes: *const AtomicI64 = &raw const *embree.bytes;
+        // SAFETY: signature as in rtcore_device.h; the counter outlives the device, because it is boxed and dropped
+        // after `drop` has released that.
+        unsafe {
+            type Monitor = extern "C" fn(*mut c_void, isize, bool) -> bool;
+            embree.get::<unsafe extern "C" fn(Handle, Monitor, *const AtomicI64)>(
+                "rtcSetDeviceMemoryMonitorFunction",
+            )?(embree.device, count_bytes, bytes);
+        }
+        Ok(embree)
+    }
+
+    /// Bytes that all scenes of the device hold.
+    pub fn bytes(&self) -> i64 {
+        self.bytes.load(Ordering::Relaxed)
     }
 
     /// # Safety
@@ -207,6 +227,13 @@ impl Drop for Embree {
             }
         }
     }
+}
+
+/// Embree tells how many bytes it is about to allocate, or has freed.
+extern "C" fn count_bytes(counter: *mut c_void, bytes: isize, _post: bool) -> bool {
+    // SAFETY: the pointer given to rtcSetDeviceMemoryMonitorFunction.
+    unsafe { &*counter.cast::<AtomicI64>() }.fetch_add(bytes as i64, Ordering::Relaxed);
+    true
 }
 
 /// A folder stands for the library inside it (as in an unpacked Python wheel).

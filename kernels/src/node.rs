@@ -1,5 +1,6 @@
 //! The 8-wide tree as the kernels see it.
 
+use crate::{simd::Simd, vector::I32};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Tree depth (root = 1) that traversal stacks are sized for.
@@ -100,6 +101,12 @@ impl NodeRef {
         (self.0 << 1 >> 7) as usize
     }
 
+    /// Reference to one triangle: that of a slot, block index * 8 + lane.
+    #[inline(always)]
+    pub(crate) fn triangle(slot: u32) -> NodeRef {
+        NodeRef(1 << 31 | slot >> 3 << 6 | (slot & 7) << 3)
+    }
+
     /// The leaf's lanes within its block, as bits.
     #[inline(always)]
     pub(crate) fn lanes(self) -> u32 {
@@ -121,6 +128,17 @@ pub struct Node {
 }
 
 impl Node {
+    /// Which children are leaves, as bits.
+    #[inline(always)]
+    pub(crate) fn leaves<S: Simd>(&self, s: S) -> u32 {
+        let mut refs = [0; 8];
+        for i in 0..8 {
+            refs[i] = self.child[i].0;
+        }
+        let sign = I32::<S, 8>::splat(s, 1 << 31);
+        (I32::load(s, &refs) & sign).eq(sign).bits()
+    }
+
     /// A node without children.
     pub const EMPTY: Node = Node {
         bounds: [

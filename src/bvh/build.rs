@@ -1,13 +1,18 @@
-//! The binary tree, by obvhs.
+//! Presets, and building by them.
 
-use crate::scene::TriangleMesh;
-use obvhs::{
-    BvhBuildParams,
-    aabb::Aabb,
-    bvh2::{Bvh2, builder::build_bvh2},
-    ploc::{PlocSearchDistance, SortPrecision},
+use super::{
+    binary::Builder,
+    collapse::collapse,
+    merged::merged,
+    reference::{references, room},
+    split::Task,
 };
-use std::{fmt, str::FromStr, time::Duration};
+use crate::{
+    kernels::{EMPTY_NODE, Node, NodeRef, TriBlock},
+    scene::TriangleMesh,
+};
+use rayon::prelude::*;
+use std::{fmt, str::FromStr};
 
 /// How much time the build may spend on a better tree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,25 +38,6 @@ impl BuildPreset {
             BuildPreset::Slow => "slow",
         }
     }
-
-    fn params(self) -> BvhBuildParams {
-        let (ploc_search_distance, search_depth_threshold, reinsertion_batch_ratio) = match self {
-            BuildPreset::Fast => (PlocSearchDistance::Minimum, 0, 0.01),
-            BuildPreset::Medium => (PlocSearchDistance::Low, 2, 0.05),
-            BuildPreset::Slow => (PlocSearchDistance::High, 2, 1.0),
-        };
-        BvhBuildParams {
-            pre_split: false,
-            ploc_search_distance,
-            search_depth_threshold,
-            reinsertion_batch_ratio,
-            post_collapse_reinsertion_batch_ratio_multiplier: 0.0,
-            sort_precision: SortPrecision::U64,
-            // The collapse to wide nodes decides about leaves.
-            max_prims_per_leaf: 1,
-            collapse_traversal_cost: 1.0,
-        }
-    }
 }
 
 impl fmt::Display for BuildPreset {
@@ -71,14 +57,27 @@ impl FromStr for BuildPreset {
     }
 }
 
-/// A binary tree with one triangle a leaf.
-pub(super) fn binary(mesh: &TriangleMesh, preset: BuildPreset) -> Bvh2 {
-    let boxes: Vec<Aabb> = (0..mesh.len())
-        .map(|prim| {
-            let [a, b, c] = mesh.corners(prim);
-            Aabb::new(a.min(b).min(c).into(), a.max(b).max(c).into())
-        })
-        .collect();
-    let mut core_time = Duration::ZERO;
-    build_bvh2(&boxes, preset.params(), &mut core_time)
+/// The wide tree over a mesh.
+pub(super) fn wide(mesh: &TriangleMesh, preset: BuildPreset) -> (Vec<Node>, Vec<TriBlock>, NodeRef) {
+    if mesh.is_empty() {
+        return (Vec::new(), Vec::new(), EMPTY_NODE);
+    }
+    if preset == BuildPreset::Slow
+        && let Some(tree) = merged(mesh)
+    {
+        return collapse(&tree, mesh);
+    }
+    // A tree that was merged too deep is split instead, down to single triangles.
+    let stop = match preset {
+        BuildPreset::Fast => 4,
+        BuildPreset::Medium => 2,
+        BuildPreset::Slow => 1,
+    };
+    let mut from = references(mesh);
+    let mut spare = room(from.len());
+    let tree = Builder { stop }.build(Task { from: &mut from, spare: &mut spare });
+    let wide = collapse(&tree, mesh);
+    // Giving back so much memory takes a while as well.
+    rayon::join(|| drop((from, spare)), || tree.grains.into_par_iter().for_each(drop));
+    wide
 }

@@ -1,235 +1,207 @@
-//! From the binary tree to 8-wide nodes.
+//! From the binary tree to 8-wide nodes and blocks of eight triangles, as [`Choice`](super::choice::Choice) says.
 //!
-//! Which binary nodes become wide nodes, leaves, or vanish is chosen by dynamic programming over the surface area
-//! heuristic (Ylitie, Karras, Laine 2017, section 3.1): `cost(n, i)` is the least expected cost of the subtree under
-//! `n` when it may appear as up to `i` children of some wide node.
-//!
-//! Leaves are packed into blocks of eight triangles; small leaves share a block, so that few lanes stay empty.
+//! Subtrees are emitted in parallel, each into memory of its own, and put one behind the other.
 
+use super::{
+    binary::{Binary, Link, Tree},
+    choice::LEAF_MAX,
+    pack::Packer,
+};
 use crate::{
-    kernels::{EMPTY_NODE, MISS, Node, NodeRef, TriBlock},
+    kernels::{EMPTY_NODE, Node, NodeKind, NodeRef, TriBlock},
     scene::TriangleMesh,
 };
-use obvhs::bvh2::Bvh2;
+use rayon::prelude::*;
 
-/// Cost of visiting a wide node; the unit of the others.
-pub(super) const NODE_COST: f32 = 1.0;
-/// Cost of setting up a block.
-pub(super) const LEAF_COST: f32 = 0.9;
-/// Cost of each triangle in it.
-pub(super) const TRIANGLE_COST: f32 = 0.12;
-/// Triangles a leaf may hold.
-const LEAF_MAX: u32 = 8;
+/// Subtrees of so many references are emitted by one task.
+const GRAIN: u32 = 8192;
 
-/// The best way to present a binary node as up to 1..=7 children (index 0 = one child).
-#[derive(Clone, Copy)]
-struct Choice {
-    cost: [f32; 7],
-    /// For up to `i + 1` children: how many go to the left; 0 = fewer children are as good. `split[0]` is unused.
-    split: [u8; 7],
-    /// For a wide node made here: how many of its eight children go to the left.
-    inner_split: u8,
-    /// As one child: true if a leaf is best.
-    leaf: bool,
-    triangles: u32,
+/// The nodes and blocks of a subtree.
+#[derive(Default)]
+struct Piece {
+    nodes: Vec<Node>,
+    packer: Packer,
 }
 
 /// The wide tree: nodes, triangle blocks, root.
-pub(super) fn collapse(binary: &Bvh2, mesh: &TriangleMesh) -> (Vec<Node>, Vec<TriBlock>, NodeRef) {
-    if mesh.is_empty() || binary.nodes.is_empty() {
-        return (Vec::new(), Vec::new(), EMPTY_NODE);
+pub(super) fn collapse(tree: &Tree, mesh: &TriangleMesh) -> (Vec<Node>, Vec<TriBlock>, NodeRef) {
+    let mut top = Wide::new(tree, mesh, GRAIN);
+    let root = top.emit(Place { grain: TOP, index: 0 });
+    let later = std::mem::take(&mut top.later);
+    let emit = |&(_, _, place): &(usize, usize, Place)| {
+        let mut wide = Wide::new(tree, mesh, 0);
+        wide.emit(place);
+        wide.piece
+    };
+    let below: Vec<Piece> = later.par_iter().map(emit).collect();
+    let mut pieces = vec![top.piece];
+    pieces.extend(below);
+    let starts = Starts {
+        nodes: starts(&pieces, |p| p.nodes.len()),
+        blocks: starts(&pieces, |p| p.packer.blocks.len()),
+    };
+    for ((node, slot, _), start) in later.into_iter().zip(&starts.nodes[1..]) {
+        pieces[0].nodes[node].child[slot] = NodeRef::inner(*start);
     }
-    let choices = choose(binary);
-    let mut wide =
-        Wide { binary, mesh, choices, nodes: Vec::new(), packer: Packer::default(), stack: Vec::new() };
-    let root = wide.build();
-    (wide.nodes, wide.packer.blocks, root)
+    let nodes = (0..starts.nodes[pieces.len()]).into_par_iter().with_min_len(1024).map(|i| {
+        let (piece, at) = find(&starts.nodes, i);
+        let mut node = pieces[piece].nodes[at];
+        // The first piece starts at zero, and what was put into it is right already.
+        if piece > 0 {
+            node.child = node.child.map(|child| moved(child, starts.nodes[piece], starts.blocks[piece]));
+        }
+        node.sort();
+        node
+    });
+    let blocks = (0..starts.blocks[pieces.len()]).into_par_iter().with_min_len(1024).map(|i| {
+        let (piece, at) = find(&starts.blocks, i);
+        pieces[piece].packer.blocks[at]
+    });
+    (nodes.collect(), blocks.collect(), root)
 }
 
-/// Children before parents.
-fn postorder(binary: &Bvh2) -> Vec<u32> {
-    let mut order = Vec::with_capacity(binary.nodes.len());
-    let mut stack = vec![0u32];
-    while let Some(index) = stack.pop() {
-        order.push(index);
-        let node = &binary.nodes[index as usize];
-        if node.prim_count == 0 {
-            stack.extend([node.first_index, node.first_index + 1]);
+/// Where the nodes and blocks of each piece start when all are put one behind the other; the end is the last.
+struct Starts {
+    nodes: Vec<usize>,
+    blocks: Vec<usize>,
+}
+
+fn starts(pieces: &[Piece], len: impl Fn(&Piece) -> usize) -> Vec<usize> {
+    let mut starts = vec![0];
+    for piece in pieces {
+        starts.push(starts[starts.len() - 1] + len(piece));
+    }
+    starts
+}
+
+/// The piece that element `i` of all comes from, and its place there.
+fn find(starts: &[usize], i: usize) -> (usize, usize) {
+    let piece = starts.partition_point(|&start| start <= i) - 1;
+    (piece, i - starts[piece])
+}
+
+/// A reference within a piece that now starts at these nodes and blocks.
+fn moved(reference: NodeRef, nodes: usize, blocks: usize) -> NodeRef {
+    match reference.kind() {
+        NodeKind::Empty => EMPTY_NODE,
+        NodeKind::Inner(index) => NodeRef::inner(index + nodes),
+        NodeKind::Leaf { block, first, count } => {
+            NodeRef::leaf(block + blocks, first as usize, count as usize)
         }
     }
-    order.reverse();
-    order
 }
 
-fn choose(binary: &Bvh2) -> Vec<Choice> {
-    let none = Choice { cost: [0.0; 7], split: [0; 7], inner_split: 0, leaf: true, triangles: 0 };
-    let mut choices = vec![none; binary.nodes.len()];
-    for index in postorder(binary) {
-        let node = &binary.nodes[index as usize];
-        let area = node.aabb().half_area();
-        choices[index as usize] = if node.prim_count > 0 {
-            let cost = area * (LEAF_COST + TRIANGLE_COST * node.prim_count as f32);
-            Choice { cost: [cost; 7], triangles: node.prim_count, ..none }
-        } else {
-            let left = choices[node.first_index as usize];
-            let right = choices[node.first_index as usize + 1];
-            combine(area, &left, &right)
-        };
-    }
-    choices
-}
+/// `Place::grain` of the nodes at the top.
+const TOP: u32 = u32::MAX;
 
-fn combine(area: f32, left: &Choice, right: &Choice) -> Choice {
-    // The cheapest way to share `children` among the two sides.
-    let distribute = |children: usize| {
-        let (mut best, mut split) = (f32::INFINITY, 0);
-        for k in 1..children {
-            if k > 7 || children - k > 7 {
-                continue;
-            }
-            let cost = left.cost[k - 1] + right.cost[children - k - 1];
-            if cost < best {
-                (best, split) = (cost, k as u8);
-            }
-        }
-        (best, split)
-    };
-    let triangles = left.triangles + right.triangles;
-    let (inner, inner_split) = distribute(8);
-    let inner_cost = inner + area * NODE_COST;
-    let leaf_cost = if triangles <= LEAF_MAX {
-        area * (LEAF_COST + TRIANGLE_COST * triangles as f32)
-    } else {
-        f32::INFINITY
-    };
-    // `<=` also for NaN-free degenerate areas of zero: prefer the leaf.
-    let leaf = leaf_cost <= inner_cost;
-    let mut choice = Choice { cost: [0.0; 7], split: [0; 7], inner_split, leaf, triangles };
-    choice.cost[0] = leaf_cost.min(inner_cost);
-    for children in 2..=7 {
-        let (cost, split) = distribute(children);
-        let fewer = choice.cost[children - 2];
-        let better = cost < fewer;
-        choice.cost[children - 1] = if better { cost } else { fewer };
-        choice.split[children - 1] = if better { split } else { 0 };
-    }
-    choice
+/// Where a binary node is.
+#[derive(Clone, Copy)]
+struct Place {
+    grain: u32,
+    index: u32,
 }
 
 struct Wide<'a> {
-    binary: &'a Bvh2,
+    tree: &'a Tree,
     mesh: &'a TriangleMesh,
-    choices: Vec<Choice>,
-    nodes: Vec<Node>,
-    packer: Packer,
-    /// Wide nodes still to be filled: index and binary node.
-    stack: Vec<(usize, u32)>,
+    piece: Piece,
+    /// Primitives of the leaf at hand.
+    prims: Vec<u32>,
+    /// Wide nodes still to be filled.
+    stack: Vec<(usize, Place)>,
+    /// Subtrees up to this size are left to others: node and slot that lead to them, and where they are.
+    small: u32,
+    later: Vec<(usize, usize, Place)>,
 }
 
-impl Wide<'_> {
-    fn build(&mut self) -> NodeRef {
-        let root = self.reference(0);
-        while let Some((index, binary)) = self.stack.pop() {
-            let mut children = Vec::with_capacity(8);
-            let first = self.binary.nodes[binary as usize].first_index;
-            let left = self.choices[binary as usize].inner_split;
+impl<'a> Wide<'a> {
+    fn new(tree: &'a Tree, mesh: &'a TriangleMesh, small: u32) -> Wide<'a> {
+        let (piece, prims) = (Piece::default(), Vec::with_capacity(LEAF_MAX as usize));
+        Wide { tree, mesh, piece, prims, stack: Vec::new(), small, later: Vec::new() }
+    }
+
+    /// Emits a subtree; returns the reference to its root, which is node 0 unless it is a leaf.
+    fn emit(&mut self, place: Place) -> NodeRef {
+        let root = self.reference(place);
+        let mut children = Vec::with_capacity(8);
+        while let Some((index, place)) = self.stack.pop() {
+            children.clear();
+            let left = self.binary(place).1.choice.inner_split;
+            let [first, second] = self.pair(place);
             self.gather(first, left, &mut children);
-            self.gather(first + 1, 8 - left, &mut children);
-            for (slot, child) in children.into_iter().enumerate() {
-                let bounds = self.binary.nodes[child as usize].aabb();
-                let (min, max) = (bounds.min.to_array(), bounds.max.to_array());
-                let reference = self.reference(child);
-                let node = &mut self.nodes[index];
+            self.gather(second, 8 - left, &mut children);
+            for (slot, &child) in children.iter().enumerate() {
+                let binary = self.binary(child).1;
+                let (lo, hi, choice) = (binary.lo, binary.hi, binary.choice);
                 for axis in 0..3 {
-                    node.bounds[2 * axis][slot] = min[axis];
-                    node.bounds[2 * axis + 1][slot] = max[axis];
+                    self.piece.nodes[index].bounds[2 * axis][slot] = lo[axis];
+                    self.piece.nodes[index].bounds[2 * axis + 1][slot] = hi[axis];
                 }
-                node.child[slot] = reference;
+                if !choice.leaf && choice.references <= self.small {
+                    self.later.push((index, slot, child));
+                } else {
+                    self.piece.nodes[index].child[slot] = self.reference(child);
+                }
             }
         }
         root
     }
 
-    /// Appends the binary nodes that present `binary` as up to `limit` children.
-    fn gather(&self, binary: u32, mut limit: u8, children: &mut Vec<u32>) {
-        let choice = &self.choices[binary as usize];
-        while limit > 1 && choice.split[limit as usize - 1] == 0 {
-            limit -= 1;
+    /// The node at a place, or the one that it stands for, and where that is.
+    fn binary(&self, place: Place) -> (Place, &'a Binary) {
+        if place.grain != TOP {
+            return (place, &self.tree.grains[place.grain as usize].nodes[place.index as usize]);
         }
-        if limit <= 1 {
-            children.push(binary);
-            return;
+        let binary = &self.tree.top[place.index as usize];
+        match binary.link {
+            Link::Grain(grain) => (Place { grain, index: 0 }, &self.tree.grains[grain as usize].nodes[0]),
+            _ => (place, binary),
         }
-        let left = choice.split[limit as usize - 1];
-        let first = self.binary.nodes[binary as usize].first_index;
-        self.gather(first, left, children);
-        self.gather(first + 1, limit - left, children);
+    }
+
+    /// The children of an inner node.
+    fn pair(&self, place: Place) -> [Place; 2] {
+        let (place, binary) = self.binary(place);
+        match binary.link {
+            Link::Pair(index) => [Place { index, ..place }, Place { index: index + 1, ..place }],
+            Link::Grain(_) | Link::Leaf { .. } => unreachable!("a choice never goes below a leaf"),
+        }
+    }
+
+    /// Appends the binary nodes that present `place` as up to `limit` children.
+    fn gather(&self, place: Place, limit: u8, children: &mut Vec<Place>) {
+        match self.binary(place).1.choice.children(limit) {
+            None => children.push(place),
+            Some([left, right]) => {
+                let [first, second] = self.pair(place);
+                self.gather(first, left, children);
+                self.gather(second, right, children);
+            }
+        }
     }
 
     /// A leaf or a new wide node for a binary node.
-    fn reference(&mut self, binary: u32) -> NodeRef {
-        if self.choices[binary as usize].leaf {
-            let mut prims = Vec::with_capacity(LEAF_MAX as usize);
-            self.collect(binary, &mut prims);
-            return self.packer.pack(self.mesh, &prims);
+    fn reference(&mut self, place: Place) -> NodeRef {
+        if self.binary(place).1.choice.leaf {
+            self.prims.clear();
+            self.collect(place);
+            return self.piece.packer.pack(self.mesh, &self.prims);
         }
-        let index = self.nodes.len();
-        self.nodes.push(Node::EMPTY);
-        self.stack.push((index, binary));
+        let index = self.piece.nodes.len();
+        self.piece.nodes.push(Node::EMPTY);
+        self.stack.push((index, place));
         NodeRef::inner(index)
     }
 
-    fn collect(&self, binary: u32, prims: &mut Vec<u32>) {
-        let node = &self.binary.nodes[binary as usize];
-        if node.prim_count > 0 {
-            let range = node.first_index as usize..(node.first_index + node.prim_count) as usize;
-            prims.extend(&self.binary.primitive_indices[range]);
+    fn collect(&mut self, place: Place) {
+        let (place, binary) = self.binary(place);
+        if let Link::Leaf { first, count } = binary.link {
+            let grain = &self.tree.grains[place.grain as usize];
+            self.prims.extend(&grain.prims[first as usize..(first + count) as usize]);
         } else {
-            self.collect(node.first_index, prims);
-            self.collect(node.first_index + 1, prims);
-        }
-    }
-}
-
-/// Fills blocks, keeping a few of them open so that small leaves find room near their neighbours.
-#[derive(Default)]
-struct Packer {
-    blocks: Vec<TriBlock>,
-    /// Open blocks, oldest first: index and used lanes.
-    open: Vec<(usize, usize)>,
-}
-
-impl Packer {
-    const OPEN: usize = 4;
-
-    fn pack(&mut self, mesh: &TriangleMesh, prims: &[u32]) -> NodeRef {
-        let fitting = self.open.iter().enumerate().filter(|(_, (_, used))| used + prims.len() <= 8);
-        let best = fitting.max_by_key(|(_, (_, used))| *used).map(|(at, _)| at);
-        let at = best.unwrap_or_else(|| {
-            if self.open.len() == Self::OPEN {
-                self.open.remove(0);
-            }
-            self.blocks.push(TriBlock::EMPTY);
-            self.open.push((self.blocks.len() - 1, 0));
-            self.open.len() - 1
-        });
-        let (index, used) = self.open[at];
-        let block = &mut self.blocks[index];
-        for (lane, &prim) in (used..).zip(prims) {
-            debug_assert_eq!(block.prim[lane], MISS);
-            block.prim[lane] = prim;
-            for (corner, position) in mesh.corners(prim as usize).into_iter().enumerate() {
-                for axis in 0..3 {
-                    block.v[corner][axis][lane] = position[axis];
-                }
+            for child in self.pair(place) {
+                self.collect(child);
             }
         }
-        let filled = used + prims.len();
-        if filled == 8 {
-            self.open.remove(at);
-        } else {
-            self.open[at].1 = filled;
-        }
-        NodeRef::leaf(index, used, prims.len())
     }
 }

@@ -1,19 +1,27 @@
 //! The tree over a scene's triangles.
 //!
 //! ```text
-//!   triangles --obvhs--> binary tree, one triangle a leaf --collapse--> 8-wide nodes + blocks of 8 triangles
+//!   triangles --reference--> boxes --split--> binary tree --choice, collapse, pack--> 8-wide nodes + blocks of 8
+//!        \--merged (slow only)----------------/
 //! ```
 //!
-//! obvhs builds the binary tree (PLOC with reinsertion); [`collapse`] turns it into the layout of the kernels. This
-//! is the only module that names obvhs.
+//! All of it runs on rayon's threads, so never call it from a pinned thread: they would inherit its CPU. The tree
+//! does not depend on their number. `slow` takes its binary tree from obvhs, which is also a baseline of its own; no
+//! other module names it.
 //!
-//! Boxes always enclose whole triangles: obvhs' spatial splits are not used, because the kernels' proof that no hit
-//! is lost needs every vertex inside every box above it.
+//! Boxes always enclose whole triangles, because the kernels' proof that no hit is lost needs every vertex inside
+//! every box above it.
 
 mod baseline;
+mod binary;
 mod build;
+mod choice;
 mod collapse;
+mod merged;
+mod pack;
+mod reference;
 mod report;
+mod split;
 mod validate;
 
 pub use baseline::Baseline;
@@ -45,9 +53,7 @@ impl Bvh {
     /// [`Error::Failed`] if the geometry is so degenerate that the tree gets deeper than the kernels' stacks.
     pub fn build(mesh: &TriangleMesh, preset: BuildPreset) -> Result<Bvh> {
         let start = Instant::now();
-        let binary = build::binary(mesh, preset);
-        let (mut nodes, blocks, root) = collapse::collapse(&binary, mesh);
-        nodes.iter_mut().for_each(Node::sort);
+        let (nodes, blocks, root) = build::wide(mesh, preset);
         let bvh = Bvh { nodes, blocks, root, id: BvhView::fresh_id(), build_time: start.elapsed() };
         let depth = bvh.depth();
         if depth > MAX_DEPTH {

@@ -2,7 +2,7 @@
 
 use super::{
     Bvh,
-    collapse::{LEAF_COST, NODE_COST, TRIANGLE_COST},
+    choice::{LEAF_COST, NODE_COST, TRIANGLE_COST},
 };
 use crate::{
     kernels::{NodeKind, NodeRef},

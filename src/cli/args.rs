@@ -219,6 +219,9 @@ pub(super) struct BenchArgs {
     /// Time to spend on irt's tree
     #[arg(long, default_value = BuildPreset::default().name(), value_parser = one_of::<BuildPreset>())]
     pub(super) build: BuildPreset,
+    /// Compare builds instead: every preset's time, size, and rays per second; of obvhs, there is none
+    #[arg(long, conflicts_with_all = ["build", "all_modes"])]
+    pub(super) builds: bool,
     /// Show and export every kernel of every engine, not only its fastest; --verbose does so too
     #[arg(long)]
     pub(super) all_modes: bool,

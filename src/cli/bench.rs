@@ -7,9 +7,9 @@ use super::{
 };
 use crate::{
     error::Result,
-    report::{BenchRow, bench_summary, bench_table},
-    scene::load,
-    study::bench::{BenchOptions, Row, bench, best_rows, check, verdict},
+    report::{BenchRow, bench_summary, bench_table, builds_table},
+    scene::{Scene, load},
+    study::bench::{BenchOptions, Row, bench, best_rows, builds, check, verdict},
 };
 
 /// Scenes unless others are named: those built in as counterparts of the thesis' five.
@@ -25,7 +25,20 @@ pub(super) fn run(args: &BenchArgs, talk: Talk) -> Result<()> {
     check(&options)?;
     interrupt::install()?;
     let exports = TableExports::open(&args.export)?;
-    let rows = measure(args, &options, talk)?;
+    if args.builds {
+        let tree = |scene: &Scene, place: &str| {
+            builds(scene, &options, |what| tell(talk, &format!("{place}: {what}")))
+        };
+        let rows = each_scene(args, tree)?;
+        exports.write(&builds_table(&rows, &options.kinds))?;
+        let traced: Vec<Row> = rows.into_iter().flat_map(|row| row.traced).collect();
+        return verdict(&traced);
+    }
+    let kernels = |scene: &Scene, place: &str| {
+        tell(talk, &format!("{place}: trees"));
+        bench(scene, &options, |kind| tell(talk, &format!("{place}: {kind} rays")))
+    };
+    let rows = each_scene(args, kernels)?;
 
     let shown = if args.all_modes || talk.verbose { rows.clone() } else { best_rows(&rows) };
     let table = bench_table(&shown);
@@ -65,16 +78,18 @@ fn once_each<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
     once
 }
 
-fn measure(args: &BenchArgs, options: &BenchOptions, talk: Talk) -> Result<Vec<Row>> {
+fn tell(talk: Talk, text: &str) {
+    if !talk.quiet {
+        terminal::note(&format!("irt: {text}\n"));
+    }
+}
+
+/// What `measure` finds out about all scenes; it also gets the name to tell people.
+fn each_scene<T>(args: &BenchArgs, measure: impl Fn(&Scene, &str) -> Result<Vec<T>>) -> Result<Vec<T>> {
     let scenes: Vec<&str> = if args.scenes.is_empty() {
         SCENES.to_vec()
     } else {
         args.scenes.iter().map(String::as_str).collect()
-    };
-    let tell = |text: &str| {
-        if !talk.quiet {
-            terminal::note(&format!("irt: {text}\n"));
-        }
     };
     let mut rows = Vec::new();
     for (index, spec) in once_each(&scenes).into_iter().enumerate() {
@@ -84,8 +99,7 @@ fn measure(args: &BenchArgs, options: &BenchOptions, talk: Talk) -> Result<Vec<R
         if scene.lights.is_empty() {
             log::warn!("{} has no light, so that there are no shadow rays", scene.name);
         }
-        tell(&format!("{place}: trees"));
-        rows.extend(bench(&scene, options, |kind| tell(&format!("{place}: {kind} rays")))?);
+        rows.extend(measure(&scene, &place)?);
     }
     Ok(rows)
 }

@@ -25,8 +25,11 @@ pub(super) fn error(error: &clap::Error) -> Option<Error> {
             let (what, remedy) = reason.split_once("; ").unwrap_or((&reason, "see irt --help"));
             Error::flag(flag, what, remedy)
         }
-        ErrorKind::UnknownArgument => {
+        ErrorKind::UnknownArgument if flag.starts_with('-') => {
             Error::flag(flag, "there is no such flag here", remedy(error, ContextKind::SuggestedArg))
+        }
+        ErrorKind::UnknownArgument => {
+            Error::flag(flag, "there is nothing left to be named here", "leave it out, or see irt --help")
         }
         ErrorKind::InvalidSubcommand => Error::flag(
             text(error, ContextKind::InvalidSubcommand),
@@ -101,7 +104,7 @@ mod tests {
             ("irt inspect", "<SCENE>: it is missing; see irt --help"),
             ("irt render -q -v", "--quiet: it cannot be used with --verbose; leave one of them out"),
             ("irt render --fov 5 --fov 6", "--fov: it was given more than once; leave one of them out"),
-            ("irt render a b", "b: there is no such flag here; see irt --help"),
+            ("irt render a b", "b: there is nothing left to be named here; leave it out, or see irt --help"),
         ] {
             assert_eq!(message(line), expected, "{line}");
         }

@@ -3,6 +3,7 @@
 use crate::{
     bvh::BuildPreset,
     kernels::Isa,
+    scene::{MAX_PIXELS, MAX_SIDE},
     schedule::Strategy,
     study::bench::{Engine, Kind},
     tile::Order,
@@ -113,11 +114,6 @@ pub(super) fn vector(text: &str) -> Result<Vec3, String> {
     }
 }
 
-/// Most pixels of an image: 3 GiB of film.
-const MOST_PIXELS: u64 = 1 << 28;
-/// Most pixels along a side.
-const LONGEST_SIDE: u32 = 1 << 16;
-
 /// Takes WxH.
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let side = |text: &str| text.trim().parse().ok().filter(|&side: &u32| side >= 1);
@@ -125,9 +121,9 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let Some([width, height]) = sides else {
         return Err(format!("'{text}' is not an image size; give WIDTHxHEIGHT in pixels, such as 1280x720"));
     };
-    if width.max(height) > LONGEST_SIDE || u64::from(width) * u64::from(height) > MOST_PIXELS {
+    if width.max(height) > MAX_SIDE || u64::from(width) * u64::from(height) > MAX_PIXELS {
         return Err(format!(
-            "{width}x{height} pixels are too many; stay within {MOST_PIXELS} pixels and {LONGEST_SIDE} a side"
+            "{width}x{height} pixels are too many; stay within {MAX_PIXELS} pixels and {MAX_SIDE} a side"
         ));
     }
     Ok([width, height])

@@ -1,6 +1,7 @@
 //! What irt found out, for people and for programs: summaries, statistics, and tables in four formats.
 
 mod bench;
+mod builds;
 mod csv;
 mod json;
 mod markdown;
@@ -11,6 +12,7 @@ mod table;
 mod terminal;
 
 pub use bench::{BenchRow, bench_summary, bench_table};
+pub use builds::builds_table;
 pub use json::to_json;
 pub use number::{bytes, count, significant};
 pub use statistics::Statistics;

@@ -33,6 +33,13 @@ impl Library {
     /// # Errors
     /// As [`load`].
     pub fn load(&self, spec: &str) -> Result<Scene> {
+        if spec.is_empty() {
+            return Err(Error::flag(
+                "SCENE",
+                "the name is empty",
+                "give one that irt scenes lists, or a file",
+            ));
+        }
         let path = Path::new(spec);
         if has_extension(path, "toml") {
             return description::read(path)?.load(self);
@@ -82,7 +89,12 @@ impl Library {
     fn unknown(&self, spec: &str) -> Error {
         let mut names: Vec<String> = procedural::NAMES.iter().map(ToString::to_string).collect();
         names.extend(self.descriptions().into_iter().map(|(name, _)| name));
-        let what = "is neither a file nor a known scene";
+        // In full, because the first of them is meant from where the user is.
+        let full = |folder: &PathBuf| std::path::absolute(folder).unwrap_or_else(|_| folder.clone());
+        let folders: Vec<String> =
+            self.scenes.iter().map(|folder| full(folder).display().to_string()).collect();
+        let what =
+            format!("is neither a file nor a scene that is built in or described in {}", folders.join(", "));
         Error::file(spec, what, format!("give a .toml or .obj file or one of {}", names.join(", ")))
     }
 }

@@ -41,6 +41,10 @@ pub struct CameraDescription {
 
 /// Image size of a scene that asks for no other.
 pub const DEFAULT_SIZE: [u32; 2] = [1024, 1024];
+/// Most pixels of an image: 3 GiB of film.
+pub const MAX_PIXELS: u64 = 1 << 28;
+/// Most pixels along a side of an image.
+pub const MAX_SIDE: u32 = 1 << 16;
 
 /// No coordinate of a scene is greater than this: squares of distances then stay finite in f32.
 pub const MAX_COORDINATE: f32 = 1.0e18;

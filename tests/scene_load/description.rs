@@ -132,7 +132,11 @@ fn mistakes_in_a_scene_file_are_errors_with_line_and_column() {
     }
     fails(
         toml(&format!("size = [0, 10]\n{MESH}")),
-        &["s.toml:1: column 8: `size` must be two integers in 1 to 32768"],
+        &["s.toml:1: column 8: `size` must be two integers in 1 to 65536"],
+    );
+    fails(
+        toml(&format!("size = [65536, 65536]\n{MESH}")),
+        &["s.toml:1: column 8: `size` must be at most 268435456 pixels in all"],
     );
     fails(toml(&format!("ambient = -1\n{MESH}")), &["s.toml:1: column 11: `ambient` must be"]);
     fails(toml(&format!("x = 'ä' # ä\nambient = 1\n{MESH}")), &["s.toml:1: column 1: unknown field `x`"]);

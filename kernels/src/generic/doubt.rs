@@ -35,23 +35,21 @@ pub(crate) fn nearer(
     if prim == MISS {
         return None;
     }
-    let [a, b, c] = triangle(block, lane, frame);
-    let narrow = d;
-    let d = wide(d);
-    let t = Canonical::new(a, b, c).depth(d);
+    let corners = triangle(block, lane, frame);
+    let depth = |[a, b, c]: [[f32; 3]; 3]| Canonical::new(a, b, c).depth(wide(d));
+    let t = depth(corners);
     // What is cheaper decides first.
-    if !(t >= f64::from(tnear) && t <= f64::from(tfar) && passes(a, b, c, narrow)) {
+    if !(t >= f64::from(tnear) && t <= f64::from(tfar)) {
         return None;
     }
     if best != NO_SLOT {
         let (block, lane) = block_of(bvh, best);
-        let [a, b, c] = triangle(block, lane, frame);
-        let t_best = Canonical::new(a, b, c).depth(d);
-        if (t_best, block.prim[lane]) <= (t, prim) {
+        if (depth(triangle(block, lane, frame)), block.prim[lane]) <= (t, prim) {
             return None;
         }
     }
-    Some(t)
+    let [a, b, c] = corners;
+    passes(a, b, c, d).then_some(t)
 }
 
 /// An interval of inverse depths around canonical depth `t`, wide enough for its rounding.

@@ -94,8 +94,15 @@ pub(crate) fn hits<S: Simd>(
 /// Hits of the rays in `group`; the others stay.
 #[inline(always)]
 fn write<S: Simd>(s: S, hits: &mut TileHits, sub: usize, group: u32, prim: u32, [t, u, v]: [F16<S>; 3]) {
-    let mask = Mask::<S, 16>::from_bits(s, group);
     let at = sub * SUB;
+    if group == 0xffff {
+        t.store_at(&mut hits.t, at);
+        u.store_at(&mut hits.u, at);
+        v.store_at(&mut hits.v, at);
+        I32::<S, 16>::splat(s, prim).store(&mut hits.prim.as_chunks_mut().0[sub]);
+        return;
+    }
+    let mask = Mask::<S, 16>::from_bits(s, group);
     mask.select(t, F16::load_at(s, &hits.t, at)).store_at(&mut hits.t, at);
     mask.select(u, F16::load_at(s, &hits.u, at)).store_at(&mut hits.u, at);
     mask.select(v, F16::load_at(s, &hits.v, at)).store_at(&mut hits.v, at);

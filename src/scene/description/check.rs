@@ -8,13 +8,10 @@ use super::{
 };
 use crate::{
     error::Result,
-    scene::{self, CameraDescription},
+    scene::{self, CameraDescription, MAX_PIXELS, MAX_SIDE},
 };
 use glam::Vec3;
 use toml::Spanned;
-
-/// Width and height of an image are at most this.
-const MAX_SIZE: i64 = 32768;
 
 pub(super) fn check(source: &Source<'_>, file: File) -> Result<Description> {
     if file.mesh.is_empty() {
@@ -39,9 +36,12 @@ pub(super) fn check(source: &Source<'_>, file: File) -> Result<Description> {
 }
 
 fn image_size(source: &Source<'_>, size: &Spanned<[i64; 2]>) -> Result<[u32; 2]> {
-    let valid = size.get_ref().iter().all(|side| (1..=MAX_SIZE).contains(side));
-    source.check("size", size, valid, &format!("must be two integers in 1 to {MAX_SIZE}"))?;
-    Ok(size.get_ref().map(|side| side as u32))
+    let [width, height] = *size.get_ref();
+    let valid = [width, height].iter().all(|side| (1..=i64::from(MAX_SIDE)).contains(side));
+    source.check("size", size, valid, &format!("must be two integers in 1 to {MAX_SIDE}"))?;
+    let fits = (width * height) as u64 <= MAX_PIXELS;
+    source.check("size", size, fits, &format!("must be at most {MAX_PIXELS} pixels in all"))?;
+    Ok([width as u32, height as u32])
 }
 
 fn camera(source: &Source<'_>, value: &Spanned<Camera>) -> Result<CameraDescription> {

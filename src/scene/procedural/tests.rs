@@ -66,7 +66,22 @@ fn triangles_grow_with_the_square_of_detail() {
         if one < 500_000.0 {
             let two = count(name, 2.0);
             assert!((3.2..4.6).contains(&(two / one)), "{name}: {one} to {two}");
+            // So much for growth: from some ten thousand to over ten million.
+            let [least, most] = [count(name, MIN_DETAIL), two * f64::from(MAX_DETAIL / 2.0).powi(2)];
+            assert!(least < 25_000.0 && most > 1e7, "{name}: {least} to {most}");
         }
+    }
+}
+
+#[test]
+fn summaries_tell_the_number_of_triangles() {
+    for &(name, ..) in STATED {
+        let words: Vec<&str> = summary(name).split(' ').collect();
+        let unit = words.iter().position(|word| ["thousand", "million"].contains(word)).unwrap();
+        let factor = if words[unit] == "million" { 1e6 } else { 1e3 };
+        let told = factor * words[unit - 1].parse::<f64>().unwrap();
+        let made = count(name, 1.0);
+        assert!((made / told - 1.0).abs() < 0.02, "{name}: {told} told, {made} made");
     }
 }
 

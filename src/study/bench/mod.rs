@@ -7,11 +7,13 @@
 //!
 //! An engine whose number of hits differs by more than [`TOLERANCE`] of the rays is marked wrong.
 
+mod builds;
 mod irt;
 mod peers;
 mod rays;
 mod timer;
 
+pub use builds::{BuildRow, builds};
 pub use rays::{Kind, RaySet, Seen};
 
 use crate::{

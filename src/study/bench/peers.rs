@@ -2,7 +2,7 @@
 
 use super::{BenchOptions, Engine, RaySet, timer::Mode};
 use crate::{
-    bvh::{Baseline, BuildPreset},
+    bvh::Baseline,
     error::{Error, Result},
     scene::Scene,
 };
@@ -31,17 +31,24 @@ pub(super) struct Peers {
     embree: Option<embree_modes::Scenes>,
 }
 
+/// What Embree's builder gave.
+#[cfg(feature = "embree")]
+pub(super) use embree_modes::{EmbreeTree, Library};
+
 impl Peers {
     /// # Errors
     /// [`Error::Flag`] if Embree is asked for and cannot be had.
     pub(super) fn new(scene: &Scene, options: &BenchOptions) -> Result<Peers> {
         let wants = |engine| options.engines.contains(&engine);
-        let obvhs = wants(Engine::Obvhs).then(|| Baseline::build(&scene.mesh, BuildPreset::Slow));
+        let obvhs = wants(Engine::Obvhs).then(|| Baseline::build(&scene.mesh));
         #[cfg(feature = "embree")]
         return Ok(Peers {
             obvhs,
             embree: wants(Engine::Embree)
-                .then(|| embree_modes::Scenes::new(scene, options))
+                .then(|| {
+                    let library = Library::open(scene, options)?;
+                    embree_modes::Scenes::new(&library, embree::Quality::High)
+                })
                 .transpose()
                 .map_err(unavailable)?,
         });
@@ -66,7 +73,7 @@ impl Peers {
     }
 }
 
-fn unavailable(what: String) -> Error {
+pub(super) fn unavailable(what: String) -> Error {
     let remedy = "build with --features embree and set IRT_EMBREE to the library (see the README), or leave embree out";
     Error::flag("--engines", format!("Embree is not available: {what}"), remedy)
 }
@@ -112,7 +119,7 @@ impl Mode for Obvhs<'_> {
 
 #[cfg(feature = "embree")]
 #[path = "../../../benches/support/embree.rs"]
-mod embree;
+pub(super) mod embree;
 
 #[cfg(feature = "embree")]
 mod embree_modes {
@@ -124,25 +131,67 @@ mod embree_modes {
     use embree::{Embree, Quality, Rays};
     use std::sync::Mutex;
 
-    /// One tree for each of Embree's two accuracies.
+    /// Embree with the geometry of a scene. All of it is leaked: the library stays loaded for the life of the process
+    /// anyway.
+    #[derive(Clone)]
+    pub(crate) struct Library {
+        engine: &'static Embree,
+        positions: &'static [[f32; 3]],
+        triangles: &'static [[u32; 3]],
+        isa: String,
+    }
+
+    /// A tree with what it took.
+    pub(crate) struct EmbreeTree {
+        pub(crate) scenes: Scenes,
+        pub(crate) bytes: i64,
+    }
+
+    impl Library {
+        pub(crate) fn open(scene: &Scene, options: &BenchOptions) -> Result<Library, String> {
+            let isa = options.isa.map_or(String::new(), |isa| format!(",isa={}", isa.name()));
+            // As many threads as our own builder takes.
+            let threads = std::thread::available_parallelism().map_or(1, usize::from);
+            let engine = Box::leak(Box::new(Embree::open(&format!("threads={threads}{isa}"))?));
+            // Embree reads 16 bytes at the last vertex: one more stands behind it.
+            let positions = scene.mesh.positions.iter().map(|p| p.to_array()).chain([[0.0; 3]]);
+            Ok(Library {
+                engine,
+                positions: Vec::leak(positions.collect()),
+                triangles: Vec::leak(scene.mesh.triangles.clone()),
+                isa: options.isa.map_or_else(|| "native".to_string(), |isa| isa.name().to_string()),
+            })
+        }
+
+        /// Seconds of a build whose tree is dropped again.
+        pub(crate) fn seconds(&self, quality: Quality) -> Result<f64, String> {
+            self.build(quality, false).map(|(_, seconds)| seconds)
+        }
+
+        /// Trees to trace rays through, and the size of one.
+        pub(crate) fn tree(&self, quality: Quality) -> Result<EmbreeTree, String> {
+            let before = self.engine.bytes();
+            let held = self.build(quality, false)?;
+            let bytes = self.engine.bytes() - before;
+            drop(held);
+            Ok(EmbreeTree { scenes: Scenes::new(self, quality)?, bytes })
+        }
+
+        fn build(&self, quality: Quality, robust: bool) -> Result<(embree::Scene<'static>, f64), String> {
+            self.engine.scene(self.positions, self.triangles, quality, robust)
+        }
+    }
+
+    /// One tree for each of Embree's two accuracies: default and robust.
     pub(crate) struct Scenes {
-        /// Default and robust; leaked with the library, which stays loaded for the life of the process anyway.
         scenes: [embree::Scene<'static>; 2],
         isa: String,
     }
 
     impl Scenes {
-        pub(crate) fn new(scene: &Scene, options: &BenchOptions) -> Result<Scenes, String> {
-            let isa = options.isa.map_or(String::new(), |isa| format!(",isa={}", isa.name()));
-            let engine: &'static Embree = Box::leak(Box::new(Embree::open(&format!("threads=2{isa}"))?));
-            // Embree reads 16 bytes at the last vertex: one more stands behind it.
-            let positions = scene.mesh.positions.iter().map(|p| p.to_array()).chain([[0.0; 3]]);
-            let positions: &'static [[f32; 3]] = Vec::leak(positions.collect());
-            let triangles: &'static [[u32; 3]] = Vec::leak(scene.mesh.triangles.clone());
-            let build =
-                |robust| engine.scene(positions, triangles, Quality::High, robust).map(|(scene, _)| scene);
-            let isa = options.isa.map_or_else(|| "native".to_string(), |isa| isa.name().to_string());
-            Ok(Scenes { scenes: [build(false)?, build(true)?], isa })
+        pub(crate) fn new(library: &Library, quality: Quality) -> Result<Scenes, String> {
+            let scenes = [library.build(quality, false)?.0, library.build(quality, true)?.0];
+            Ok(Scenes { scenes, isa: library.isa.clone() })
         }
 
         pub(crate) fn modes<'a>(&'a self, set: &'a RaySet) -> Vec<Box<dyn Mode + 'a>> {

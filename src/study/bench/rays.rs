@@ -73,7 +73,7 @@ impl FromStr for Kind {
 const OFFSET: f32 = 1.0e-4;
 
 /// Pixels along one side of the tiles that shadow streams are made of.
-const STREAM: u32 = 64;
+const STREAM: u32 = 128;
 
 /// What the camera sees.
 #[derive(Clone, Debug, Default)]

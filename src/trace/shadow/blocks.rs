@@ -48,7 +48,11 @@ impl Kernel for Survey<'_> {
         let rays = self.rays;
         let (us, vs) = (rays.u.as_chunks::<SUB>().0, rays.v.as_chunks::<SUB>().0);
         let faces = rays.face.as_chunks::<SUB>().0;
+        let (ends, skips) = (rays.tfar.as_chunks::<SUB>().0, rays.skip.as_chunks::<SUB>().0);
         for index in 0..faces.len() {
+            // Packets will want these in another order, which no prefetcher can foresee.
+            s.prefetch(&ends[index]);
+            s.prefetch(&skips[index]);
             let (active, common) = faces_of(s, &faces[index]);
             let mask = Mask::from_bits(s, active);
             let (u, v) = (F32::load(s, &us[index]), F32::load(s, &vs[index]));

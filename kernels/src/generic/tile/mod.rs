@@ -19,6 +19,7 @@
 //! z0 * inverse_depth <= 1, where the inverse depth is a lower bound of the best hit's: the same argument holds.
 
 mod block;
+mod boxes;
 mod scratch;
 mod triangles;
 mod walk;
@@ -32,8 +33,8 @@ use crate::{
     simd::Simd,
     vector::{I32, Mask},
 };
-use triangles::Pairs;
-use walk::Planes;
+use boxes::Boxes;
+use triangles::Batch;
 
 /// Sixteen floats for each sub-packet: one per ray.
 type Rays = [[f32; 16]; SUBS];
@@ -54,8 +55,10 @@ struct State {
     /// Least `lo` of each sub-packet: no ray of it needs anything farther.
     reach: [f32; SUBS],
     /// Working space of `walk` and `triangles`.
-    planes: Planes,
-    pairs: Pairs,
+    boxes: Boxes,
+    batch: Batch,
+    /// Slot of the triangle that decided a ray last.
+    last: u32,
     /// Rays still to be decided.
     live: [u16; SUBS],
     /// Sub-packets with such rays.
@@ -99,16 +102,13 @@ pub(crate) fn occluded<S: Simd>(
     let TileScratch { state, leaves, .. } = scratch;
     state.begin(s, packet);
     leaves.begin(bvh, packet);
-    let mut last = EMPTY_NODE;
     if *seed != EMPTY_NODE && seed.block() < bvh.blocks.len() {
         let subs = state.live_subs;
-        last = triangles::leaf::<S, true>(s, bvh, packet, state, leaves, *seed, subs, last);
+        triangles::list(s, bvh, state, leaves, *seed, subs);
+        triangles::work_off::<S, true>(s, bvh, packet, state, leaves);
     }
-    if state.live_subs != 0 {
-        let found = walk::traverse::<S, true>(s, bvh, packet, state, leaves, bvh.root);
-        last = if found == EMPTY_NODE { last } else { found };
-    }
-    *seed = last;
+    walk::traverse::<S, true>(s, bvh, packet, state, leaves, bvh.root);
+    *seed = if state.last == NO_SLOT { EMPTY_NODE } else { NodeRef::triangle(state.last) };
     for sub in 0..SUBS {
         blocked[sub] = packet.active[sub] & !state.live[sub];
     }
@@ -122,8 +122,9 @@ impl State {
         u: [[0.0; SUBS]; 2],
         v: [[0.0; SUBS]; 2],
         reach: [0.0; SUBS],
-        planes: Planes::EMPTY,
-        pairs: Pairs::NONE,
+        boxes: Boxes::NONE,
+        batch: Batch::NONE,
+        last: NO_SLOT,
         live: [0; SUBS],
         live_subs: 0,
         tile_u: [0.0; 2],
@@ -135,12 +136,16 @@ impl State {
     /// Forgets the previous packet.
     #[inline(always)]
     fn begin<S: Simd>(&mut self, s: S, packet: &TilePacket) {
+        // Packets are large: ask for all of it before waiting for the first line.
+        s.prefetch(&packet.u);
+        s.prefetch(&packet.v);
         let infinity = F16::splat(s, f32::INFINITY);
         infinity.store(&mut self.u[0]);
         (-infinity).store(&mut self.u[1]);
         infinity.store(&mut self.v[0]);
         (-infinity).store(&mut self.v[1]);
         infinity.store(&mut self.reach);
+        self.last = NO_SLOT;
         self.live = packet.active;
         self.live_subs = 0;
         self.frame = Frame::new(packet.org, packet.face);

@@ -50,9 +50,12 @@ impl Default for TileScratch {
 /// Set-ups by block, for the origins met last.
 #[derive(Clone, Debug)]
 pub(super) struct LeafCache {
-    blocks: Box<[BlockPlanes]>,
+    blocks: Box<[BlockPlanes; ENTRIES]>,
     /// Epoch and block of each entry.
     tags: Box<[u64; ENTRIES]>,
+    /// Entries that may not be replaced are those that hold the number of the current batch.
+    held: Box<[u32; ENTRIES]>,
+    batch: u32,
     /// The epoch of each key; 0 is no epoch.
     keys: [(Key, u32); ORIGINS],
     /// Place of the current key.
@@ -64,8 +67,10 @@ pub(super) struct LeafCache {
 impl LeafCache {
     fn new() -> LeafCache {
         LeafCache {
-            blocks: vec![BlockPlanes::EMPTY; ENTRIES].into_boxed_slice(),
+            blocks: vec![BlockPlanes::EMPTY; ENTRIES].try_into().expect("as many entries"),
             tags: Box::new([0; ENTRIES]),
+            held: Box::new([0; ENTRIES]),
+            batch: 1,
             keys: [((0, [0; 3], 0), 0); ORIGINS],
             current: 0,
             next: 0,
@@ -115,11 +120,30 @@ impl LeafCache {
         self.tags[block % ENTRIES] == u64::from(self.epoch()) << 32 | block as u64
     }
 
-    /// The set-up of a block for the current packet.
+    /// True if setting up a block would replace one that is still needed.
+    #[inline(always)]
+    pub(super) fn is_in_the_way(&self, block: usize) -> bool {
+        self.held[block % ENTRIES] == self.batch && !self.has(block)
+    }
+
+    /// Lets go of what [`LeafCache::get`] has returned since the last time.
+    #[inline(always)]
+    pub(super) fn release(&mut self) {
+        self.batch = self.batch.wrapping_add(1);
+    }
+
+    /// The set-up of the block of a slot, which [`LeafCache::get`] has returned and nothing has replaced since.
+    #[inline(always)]
+    pub(super) fn at(&self, slot: u32) -> &BlockPlanes {
+        &self.blocks[slot as usize / 8 % ENTRIES]
+    }
+
+    /// The set-up of a block for the current packet; stays until released.
     #[inline(always)]
     pub(super) fn get<S: Simd>(&mut self, s: S, bvh: &BvhView, frame: &Frame, block: usize) -> &BlockPlanes {
         let at = block % ENTRIES;
         let tag = u64::from(self.epoch()) << 32 | block as u64;
+        self.held[at] = self.batch;
         let entry = &mut self.blocks[at];
         if self.tags[at] != tag {
             self.tags[at] = tag;

@@ -1,12 +1,15 @@
 //! Walking the tree: which children anyone has to visit, nearest first.
 
-use super::{State, scratch::LeafCache, triangles::leaf};
+use super::{
+    State, rays,
+    scratch::LeafCache,
+    triangles::{FEW, list, work_off},
+};
 use crate::{
-    generic::{F8, F16, stack::Stack},
+    generic::stack::Stack,
     node::{BvhView, EMPTY_NODE, Node, NodeRef},
     packet::TilePacket,
     simd::Simd,
-    vector::I32,
 };
 
 /// A subtree that some sub-packets still have to visit.
@@ -18,21 +21,7 @@ struct Entry {
     near: f32,
 }
 
-/// Box planes of a node's children relative to the origin, in permuted axes; depth cut off at zero. In memory so
-/// that they can be broadcast.
-#[derive(Clone, Debug)]
-#[repr(C, align(64))]
-pub(super) struct Planes {
-    x: [[f32; 8]; 2],
-    y: [[f32; 8]; 2],
-    z: [[f32; 8]; 2],
-}
-
-impl Planes {
-    pub(super) const EMPTY: Planes = Planes { x: [[0.0; 8]; 2], y: [[0.0; 8]; 2], z: [[0.0; 8]; 2] };
-}
-
-/// Walks the tree from `root`; returns the leaf that decided a ray last ([`EMPTY_NODE`] if none did).
+/// Walks the tree from `root`.
 #[inline(always)]
 pub(super) fn traverse<S: Simd, const ANY: bool>(
     s: S,
@@ -41,122 +30,128 @@ pub(super) fn traverse<S: Simd, const ANY: bool>(
     state: &mut State,
     leaves: &mut LeafCache,
     root: NodeRef,
-) -> NodeRef {
-    let mut last = EMPTY_NODE;
+) {
     if root == EMPTY_NODE || state.live_subs == 0 {
-        return last;
+        return;
     }
     let mut stack = Stack::new();
-    let mut entry = Entry { node: root, subs: state.live_subs, near: 0.0 };
+    stack.push(Entry { node: root, subs: state.live_subs, near: 0.0 });
     loop {
-        if entry.node.is_leaf() {
-            last = leaf::<S, ANY>(s, bvh, packet, state, leaves, entry.node, entry.subs, last);
-            if ANY && state.live_subs == 0 {
-                return last;
+        let entry = next(s, state, &mut stack);
+        // Whether what is listed must be tested now.
+        let mut now = !ANY;
+        match entry {
+            None => now = true,
+            Some(entry) if entry.node.is_leaf() => {
+                list(s, bvh, state, leaves, entry.node, entry.subs);
+                now = true;
             }
-        } else if children(s, bvh, state, leaves, &mut stack, &mut entry) {
-            continue;
+            Some(entry) => now |= children(s, bvh, packet, state, leaves, &mut stack, entry),
         }
-        loop {
-            match stack.pop() {
-                None => return last,
-                Some(next) => entry = next,
+        if state.batch.is_empty() {
+            leaves.release();
+        } else if now || state.batch.is_enough() {
+            work_off::<S, ANY>(s, bvh, packet, state, leaves);
+            if ANY && state.live_subs == 0 {
+                return;
             }
-            entry.subs = state.interested(s, entry.near, entry.subs);
-            if entry.subs != 0 {
-                break;
-            }
+        }
+        if entry.is_none() {
+            return;
         }
     }
 }
 
-/// Tests a node's children; pushes all that anyone must visit but the nearest, which becomes `next`. False if there
-/// is none.
+/// The next subtree that anyone must visit.
+#[inline(always)]
+fn next<S: Simd>(s: S, state: &State, stack: &mut Stack<Entry>) -> Option<Entry> {
+    loop {
+        let mut entry = stack.pop()?;
+        entry.subs = state.interested(s, entry.near, entry.subs);
+        if entry.subs != 0 {
+            return Some(entry);
+        }
+    }
+}
+
+/// Tests a node's children: lists the triangles of leaves, pushes inner nodes, the nearest last. True if a leaf had
+/// to be pushed, because its set-up would replace one that is still needed.
 #[inline(always)]
 fn children<S: Simd>(
     s: S,
     bvh: &BvhView,
+    packet: &TilePacket,
     state: &mut State,
-    leaves: &LeafCache,
+    leaves: &mut LeafCache,
     stack: &mut Stack<Entry>,
-    next: &mut Entry,
+    entry: Entry,
 ) -> bool {
-    let node = &bvh.nodes[next.node.index()];
-    let subs = next.subs;
-    let mut left = tile_test(s, node, state);
+    let node = &bvh.nodes[entry.node.index()];
+    let left = state.project(s, node);
+    let is_leaf = node.leaves(s);
+    let mut left_leaves = left & is_leaf;
+    let mut left_nodes = left & !is_leaf;
+    fetch_blocks(s, bvh, leaves, node, left_leaves);
     let bottom = stack.len();
-    while left != 0 {
-        let child = (left.trailing_zeros() & 7) as usize;
-        left &= left - 1;
-        let wanted = sub_test(s, child, state) & subs;
+    while left_nodes != 0 {
+        let child = (left_nodes.trailing_zeros() & 7) as usize;
+        left_nodes &= left_nodes - 1;
+        let wanted = state.subs_meet(s, child) & entry.subs;
         if wanted != 0 {
-            let near = state.planes.z[0][child];
-            fetch(s, bvh, leaves, node.child[child]);
+            let near = state.boxes.near(child);
+            fetch(s, bvh, node.child[child]);
             stack.insert(bottom, Entry { node: node.child[child], subs: wanted, near }, |e| e.near < near);
         }
     }
-    if stack.len() == bottom {
-        return false;
+    let mut pushed = false;
+    while left_leaves != 0 {
+        let child = (left_leaves.trailing_zeros() & 7) as usize;
+        left_leaves &= left_leaves - 1;
+        let mut subs = state.subs_meet(s, child) & entry.subs;
+        if subs.count_ones() <= FEW {
+            subs = pierced(s, packet, state, child, subs);
+        }
+        if subs == 0 {
+            continue;
+        }
+        let node = node.child[child];
+        if leaves.is_in_the_way(node.block()) {
+            stack.push(Entry { node, subs, near: state.boxes.near(child) });
+            pushed = true;
+        } else {
+            list(s, bvh, state, leaves, node, subs);
+        }
     }
-    match stack.pop() {
-        Some(nearest) => *next = nearest,
-        None => return false,
-    }
-    true
+    pushed
 }
 
-/// Asks for what visiting a child will need.
+/// Those of a few sub-packets that have a ray through box `child`.
 #[inline(always)]
-fn fetch<S: Simd>(s: S, bvh: &BvhView, leaves: &LeafCache, child: NodeRef) {
-    if !child.is_leaf() {
-        s.prefetch(&bvh.nodes[child.index()]);
-    } else if !leaves.has(child.block()) {
-        s.prefetch(&bvh.blocks[child.block()]);
+fn pierced<S: Simd>(s: S, packet: &TilePacket, state: &State, child: usize, mut subs: u32) -> u32 {
+    let (u, v) = (rays(&packet.u), rays(&packet.v));
+    let mut pierced = 0;
+    while subs != 0 {
+        let sub = (subs.trailing_zeros() & 15) as usize;
+        subs &= subs - 1;
+        pierced |= u32::from(state.rays_meet(s, child, sub, u, v) != 0) << sub;
     }
+    pierced
 }
 
-/// Which children the tile's frustum may touch, lane = child.
+/// Asks for an inner node, because it will be visited.
 #[inline(always)]
-fn tile_test<S: Simd>(s: S, node: &Node, state: &mut State) -> u32 {
-    let frame = &state.frame;
-    let [iu, iv, iz] = frame.axes.map(|axis| axis % 3);
-    let negative = usize::from(frame.flip != 0);
-    let flip = I32::splat(s, frame.flip);
-    let zero = F8::splat(s, 0.0);
-    let org = [F8::splat(s, frame.org[0]), F8::splat(s, frame.org[1]), F8::splat(s, frame.org[2])];
-    let x0 = F8::load(s, &node.bounds[2 * iu]) - org[0];
-    let x1 = F8::load(s, &node.bounds[2 * iu + 1]) - org[0];
-    let y0 = F8::load(s, &node.bounds[2 * iv]) - org[1];
-    let y1 = F8::load(s, &node.bounds[2 * iv + 1]) - org[1];
-    let z0 = (F8::load(s, &node.bounds[2 * iz + negative]) - org[2]).flip(flip).max(zero);
-    let z1 = (F8::load(s, &node.bounds[2 * iz + 1 - negative]) - org[2]).flip(flip);
-    let planes = &mut state.planes;
-    x0.store(&mut planes.x[0]);
-    x1.store(&mut planes.x[1]);
-    y0.store(&mut planes.y[0]);
-    y1.store(&mut planes.y[1]);
-    z0.store(&mut planes.z[0]);
-    z1.store(&mut planes.z[1]);
-
-    let (u0, u1) = (F8::splat(s, state.tile_u[0]), F8::splat(s, state.tile_u[1]));
-    let (v0, v1) = (F8::splat(s, state.tile_v[0]), F8::splat(s, state.tile_v[1]));
-    let across = (u0 * z0).min(u0 * z1).le(x1) & x0.le((u1 * z0).max(u1 * z1));
-    let along = (v0 * z0).min(v0 * z1).le(y1) & y0.le((v1 * z0).max(v1 * z1));
-    let depth = zero.le(z1) & (z0 * F8::splat(s, state.tile_reach)).le(F8::splat(s, 1.0));
-    (across & along & depth).bits()
+fn fetch<S: Simd>(s: S, bvh: &BvhView, child: NodeRef) {
+    s.prefetch(&bvh.nodes[child.index()]);
 }
 
-/// Which sub-packets may touch one child, lane = sub-packet.
+/// Asks for the triangles of leaves that are not set up.
 #[inline(always)]
-fn sub_test<S: Simd>(s: S, child: usize, state: &State) -> u32 {
-    let Planes { x, y, z } = &state.planes;
-    let (z0, z1) = (F16::splat(s, z[0][child]), F16::splat(s, z[1][child]));
-    let (x0, x1) = (F16::splat(s, x[0][child]), F16::splat(s, x[1][child]));
-    let (y0, y1) = (F16::splat(s, y[0][child]), F16::splat(s, y[1][child]));
-    let (u0, u1) = (F16::load(s, &state.u[0]), F16::load(s, &state.u[1]));
-    let (v0, v1) = (F16::load(s, &state.v[0]), F16::load(s, &state.v[1]));
-    let across = (u0 * z0).min(u0 * z1).le(x1) & x0.le((u1 * z0).max(u1 * z1));
-    let along = (v0 * z0).min(v0 * z1).le(y1) & y0.le((v1 * z0).max(v1 * z1));
-    let depth = (z0 * F16::load(s, &state.reach)).le(F16::splat(s, 1.0));
-    (across & along & depth).bits()
+fn fetch_blocks<S: Simd>(s: S, bvh: &BvhView, leaves: &LeafCache, node: &Node, mut children: u32) {
+    while children != 0 {
+        let block = node.child[(children.trailing_zeros() & 7) as usize].block();
+        children &= children - 1;
+        if !leaves.has(block) {
+            s.prefetch(&bvh.blocks[block]);
+        }
+    }
 }

@@ -34,7 +34,7 @@ pub(super) fn hall(detail: f32) -> Scene {
     fittings::panel_table(&mut b, &paints);
     fittings::lectern(&mut b, &paints);
     fittings::lamps(&mut b, &paints);
-    audience(&mut b, &paints);
+    audience(&mut b, &paints, detail);
     let camera = CameraDescription {
         eye: Vec3::new(7.6, 3.0, 9.6),
         at: Vec3::new(-1.1, 1.25, -3.0),
@@ -96,11 +96,14 @@ impl Paints {
     }
 }
 
-/// Rows in arcs about a point on the stage, an aisle down the middle.
-fn audience(b: &mut Builder, paints: &Paints) {
+/// Rows in arcs about a point on the stage, an aisle down the middle. A chair cannot be made of less than 224
+/// triangles: where detail is low, few come to sit down.
+fn audience(b: &mut Builder, paints: &Paints, detail: f32) {
     const ROWS: u32 = 13;
     const CENTRE: f32 = -15.0;
     b.part("audience");
+    let stride = ((0.4 / detail) as u32).clamp(1, 8);
+    let mut places = 0..;
     for row in 0..ROWS {
         let radius = 10.7 + 1.0 * row as f32;
         for side in [-1.0, 1.0] {
@@ -108,7 +111,7 @@ fn audience(b: &mut Builder, paints: &Paints) {
                 // Chairs keep their spacing along the arc; the aisle is as wide in every row.
                 let angle = (0.95 + 0.64 * seat as f32 + 0.3) / radius;
                 let (x, z) = (side * radius * angle.sin(), CENTRE + radius * angle.cos());
-                if x.abs() > HALF_WIDTH - 0.9 {
+                if x.abs() > HALF_WIDTH - 0.9 || places.next().is_some_and(|place| place % stride != 0) {
                     continue;
                 }
                 let fabric = if (row + seat) % 7 == 3 { paints.accent } else { paints.cushion };

@@ -95,15 +95,15 @@ fn head(field: &mut Field) {
     for side in SIDES {
         let m = v(side, 1.0, 1.0);
         add(at(v(0.068, -0.055, 0.06) * m), ball(0.07, 0.065, 0.08), Melt(0.06));
-        // Muzzle pads, eyelids.
-        add(at(v(0.026, -0.062, 0.205) * m), ball(0.036, 0.032, 0.032), Melt(0.025));
-        add(at(EYE * m), Shape::Ellipsoid(Vec3::splat(EYE_RADIUS + 0.012)), Melt(0.02));
-        add(at((EYE + v(0.03, -0.002, 0.012)) * m), Shape::Ellipsoid(Vec3::splat(0.033)), Carve(0.016));
+        // Muzzle pads; a mound that the eyeball looks out of. No detail is thinner than two cells of the grid: the mesh
+        // would tear it to shreds.
+        add(at(v(0.027, -0.062, 0.2) * m), ball(0.038, 0.034, 0.034), Melt(0.025));
+        add(at((EYE - v(0.013, 0.0, 0.006)) * m), Shape::Ellipsoid(v(0.034, 0.036, 0.04)), Melt(0.03));
         ear(&mut add, side);
     }
-    add(at(v(0.0, -0.03, 0.232)), ball(0.026, 0.018, 0.016), Melt(0.012));
-    let lip = Shape::Limb { a: v(0.0, -0.05, 0.24), b: v(0.0, -0.088, 0.225), radii: [0.008, 0.012] };
-    add(Affine3A::IDENTITY, lip, Carve(0.012));
+    add(at(v(0.0, -0.03, 0.226)), ball(0.03, 0.021, 0.021), Melt(0.022));
+    let lip = Shape::Limb { a: v(0.0, -0.056, 0.246), b: v(0.0, -0.105, 0.226), radii: [0.005, 0.011] };
+    add(Affine3A::IDENTITY, lip, Carve(0.03));
 }
 
 /// A spoon: a flat ellipsoid on a stalk, hollowed from the front.

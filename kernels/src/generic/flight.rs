@@ -25,6 +25,7 @@ use crate::{
     simd::Simd,
     vector::I32,
 };
+
 /// Rays on their way at once. With more, branches at the ends of loops are mispredicted less often; with many more,
 /// their stacks crowd the cache.
 const FLIGHT: usize = 32;

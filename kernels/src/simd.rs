@@ -51,6 +51,11 @@ pub trait Lanes<const W: usize>: Copy + 'static {
     fn select(self, m: Self::M, a: Self::F, b: Self::F) -> Self::F;
     /// The least lane; unspecified if one is NaN.
     fn reduce_min(self, a: Self::F) -> f32;
+    /// The least lane of each of four; unspecified if one is NaN.
+    #[inline(always)]
+    fn reduce_min4(self, a: [Self::F; 4]) -> [f32; 4] {
+        [self.reduce_min(a[0]), self.reduce_min(a[1]), self.reduce_min(a[2]), self.reduce_min(a[3])]
+    }
     /// The bits of each float.
     fn to_bits(self, a: Self::F) -> Self::I;
     /// Floats of these bits.

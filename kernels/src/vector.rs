@@ -95,6 +95,11 @@ impl<S: Lanes<W>, const W: usize> F32<S, W> {
     pub fn reduce_min(self) -> f32 {
         self.s.reduce_min(self.v)
     }
+    /// The least lane of each of four; unspecified if one is NaN.
+    #[inline(always)]
+    pub fn reduce_min4(s: S, a: [Self; 4]) -> [f32; 4] {
+        s.reduce_min4([a[0].v, a[1].v, a[2].v, a[3].v])
+    }
     /// The greatest lane; unspecified if one is NaN.
     #[inline(always)]
     pub fn reduce_max(self) -> f32 {

@@ -35,6 +35,16 @@ lanes! { Avx512, 16, __m512, __m512i, __mmask16;
     le(a: __m512, b: __m512) -> __mmask16 = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b);
     select(m: __mmask16, a: __m512, b: __m512) -> __m512 = _mm512_mask_blend_ps(m, b, a);
     reduce_min(a: __m512) -> f32 = _mm512_reduce_min_ps(a);
+    reduce_min4(a: [__m512; 4]) -> [f32; 4] = {
+        // Quarters of two vectors, then of all four, side by side; each quarter ends up holding one vector's minimum.
+        let ab = _mm512_min_ps(_mm512_shuffle_f32x4::<0x44>(a[0], a[1]), _mm512_shuffle_f32x4::<0xee>(a[0], a[1]));
+        let cd = _mm512_min_ps(_mm512_shuffle_f32x4::<0x44>(a[2], a[3]), _mm512_shuffle_f32x4::<0xee>(a[2], a[3]));
+        let four = _mm512_min_ps(_mm512_shuffle_f32x4::<0x88>(ab, cd), _mm512_shuffle_f32x4::<0xdd>(ab, cd));
+        let two = _mm512_min_ps(four, _mm512_permute_ps::<0x4e>(four));
+        let one = _mm512_min_ps(two, _mm512_permute_ps::<0xb1>(two));
+        let first = _mm512_castps512_ps128(_mm512_maskz_compress_ps(0x1111, one));
+        core::mem::transmute::<__m128, [f32; 4]>(first)
+    };
     to_bits(a: __m512) -> __m512i = _mm512_castps_si512(a);
     from_bits(a: __m512i) -> __m512 = _mm512_castsi512_ps(a);
     isplat(x: u32) -> __m512i = _mm512_set1_epi32(x as i32);

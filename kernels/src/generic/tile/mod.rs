@@ -176,13 +176,15 @@ impl State {
         lo.store(&mut self.lo[sub]);
         active.select(hi, infinity).store(&mut self.hi[sub]);
         I32::splat(s, NO_SLOT).store(&mut self.slot[sub]);
-        self.reach[sub] = lo.reduce_min();
+        self.reach[sub] = if packet.bounded { lo.reduce_min() } else { 0.0 };
         let u = F16::load(s, &rays(&packet.u)[sub]);
         let v = F16::load(s, &rays(&packet.v)[sub]);
-        self.u[0][sub] = active.select(u, infinity).reduce_min();
-        self.u[1][sub] = active.select(u, -infinity).reduce_max();
-        self.v[0][sub] = active.select(v, infinity).reduce_min();
-        self.v[1][sub] = active.select(v, -infinity).reduce_max();
+        let (u, v) = ([u, -u], [v, -v]);
+        let (u0, u1) = (active.select(u[0], infinity), active.select(u[1], infinity));
+        let (v0, v1) = (active.select(v[0], infinity), active.select(v[1], infinity));
+        let [u0, u1, v0, v1] = F16::reduce_min4(s, [u0, u1, v0, v1]);
+        (self.u[0][sub], self.u[1][sub]) = (u0, -u1);
+        (self.v[0][sub], self.v[1][sub]) = (v0, -v1);
     }
 
     /// Sub-packets of `subs` that are still looking for something as near as depth `near`.

@@ -10,7 +10,8 @@ pub use stream::RayStream;
 use crate::{
     bvh::Bvh,
     kernels::{
-        BvhView, Flight, Hit, Kernels, NodeRef, Ray, SUB, SUBS, TILE_RAYS, TileHits, TilePacket, TileScratch,
+        BvhView, Flight, Hit, Kernel, Kernels, NodeRef, Ray, SUB, SUBS, Simd, TILE_RAYS, TileHits,
+        TilePacket, TileScratch,
     },
 };
 use std::{fmt, str::FromStr};
@@ -72,6 +73,11 @@ impl<'a> Traversal<'a> {
     /// The kernels.
     pub fn kernels(&self) -> &Kernels {
         &self.kernels
+    }
+
+    /// Asks for a packet's rays ahead of tracing them; worth it where packets wait in a long array.
+    pub fn fetch(&self, packet: &TilePacket) {
+        self.kernels.run(Fetch(packet));
     }
 
     /// First hits of the active rays of a packet; hits of other rays are left as they are.
@@ -136,6 +142,22 @@ impl<'a> Traversal<'a> {
     /// True if a single ray is blocked.
     pub fn occluded_ray(&self, ray: &Ray) -> bool {
         self.kernels.occluded(&self.view, ray)
+    }
+}
+
+struct Fetch<'a>(&'a TilePacket);
+
+impl Kernel for Fetch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        s.prefetch(&self.0.u);
+        s.prefetch(&self.0.v);
+        if self.0.bounded {
+            s.prefetch(&self.0.tfar);
+            s.prefetch(&self.0.skip);
+        }
     }
 }
 

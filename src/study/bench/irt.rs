@@ -3,7 +3,7 @@
 use super::{Engine, RaySet, timer::Mode};
 use crate::{
     bvh::Bvh,
-    kernels::{Flight, Hit, Kernels, MISS, NodeRef, SUB, TILE_RAYS, TileHits, TileScratch},
+    kernels::{Flight, Hit, Kernels, MISS, NodeRef, SUB, SUBS, TILE_RAYS, TileHits, TilePacket, TileScratch},
     study::bench::rays::{Kind, Stream},
     trace::{KernelChoice, NO_OCCLUDER, PointShadows, RayStream, Traversal},
 };
@@ -69,19 +69,25 @@ impl Mode for Tiles<'_> {
         Box::new(move |unit| {
             let packets = self.0.set.packets().chunks(PACKETS).nth(unit).unwrap_or_default();
             let mut hits = 0;
-            for (packet, result) in packets.iter().zip(&mut results) {
-                self.0.traversal.intersect(packet, &mut scratch, result);
-                for (sub, prims) in result.prim.as_chunks::<SUB>().0.iter().enumerate() {
-                    let bits = prims
-                        .iter()
-                        .enumerate()
-                        .fold(0u16, |bits, (lane, &prim)| bits | u16::from(prim != MISS) << lane);
-                    hits += u64::from((bits & packet.active[sub]).count_ones());
+            for (index, (packet, result)) in packets.iter().zip(&mut results).enumerate() {
+                if let Some(next) = packets.get(index + 1) {
+                    self.0.traversal.fetch(next);
                 }
+                self.0.traversal.intersect(packet, &mut scratch, result);
+                hits += hits_of(packet, result);
             }
             hits
         })
     }
+}
+
+/// The number of active rays that hit something.
+fn hits_of(packet: &TilePacket, hits: &TileHits) -> u64 {
+    if packet.active == [u16::MAX; SUBS] {
+        return u64::from(hits.prim.iter().map(|&prim| u32::from(prim != MISS)).sum::<u32>());
+    }
+    let active = |ray: &usize| packet.active[ray / SUB] >> (ray % SUB) & 1 != 0;
+    (0..TILE_RAYS).filter(active).filter(|&ray| hits.prim[ray] != MISS).count() as u64
 }
 
 /// Shadow streams, regrouped in light space, through the common-origin kernel.

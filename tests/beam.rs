@@ -80,7 +80,8 @@ struct Spread {
 
 /// Rays about one direction, some short, some that start late, some that skip a triangle, some without a meaning.
 fn random_rays(random: &mut Random, count: usize, spread: Spread, strange: bool) -> Vec<Ray> {
-    let (start, toward) = (1.2 * random.vec(), random.vec());
+    let start = 1.2 * random.vec();
+    let toward = 0.5 * random.vec() - start;
     let scale = [1.0e-6, 1.0, 1.0e6][random.below(3)];
     let mut rays = Vec::new();
     while rays.len() < count {

@@ -1,7 +1,7 @@
 //! Streams of rays that share neither origin nor direction, cut into beams of rays that fly about the same way.
 //!
 //! Of sixteen consecutive rays, a block of 4x4 pixels perhaps, most leave one surface and fly about the same way. Such
-//! rays form a *group*; rays that find too little company in their block are traced one by one. Groups are sorted by
+//! rays form a *group*; those that find too little company in their block are traced one by one. Groups are sorted by
 //! direction, and up to sixteen of one face make a beam.
 //!
 //! ```text
@@ -17,12 +17,14 @@ mod survey;
 use super::{NO_OCCLUDER, Traversal};
 use crate::kernels::{Hit, NodeRef, Pick, Ray, RayBlock, SUB, SUBS};
 use std::ops::Range;
-use survey::Survey;
+use survey::{Cut, Survey};
 
 /// Rays that are regrouped at a time.
 const CHUNK: usize = 4096;
 /// Fewer rays than this are no group (measured: see `benches/LOG.md`).
 const ENOUGH: u32 = 4;
+/// Origins of a group are no farther from that of one of its rays than this many times the median size of a block.
+const SPREAD: f32 = 4.0;
 
 /// Rays of one block that fly together.
 ///
@@ -51,6 +53,8 @@ impl Group {
 #[derive(Clone, Debug, Default)]
 pub struct RayStream {
     blocks: Vec<RayBlock>,
+    /// How far apart the origins in each block are.
+    sizes: Vec<f32>,
     groups: Vec<Group>,
     picks: Vec<Pick>,
     /// Rays to be traced one by one.
@@ -112,12 +116,24 @@ impl RayStream {
         Some(first..first + count)
     }
 
+    /// The median of `sizes`.
+    fn median(&mut self) -> f32 {
+        if self.sizes.is_empty() {
+            return 0.0;
+        }
+        let middle = self.sizes.len() / 2;
+        *self.sizes.select_nth_unstable_by(middle, f32::total_cmp).1
+    }
+
     /// Fills `blocks`, `single`, and `picks` in the order in which they are cut into beams. Every ray gets into one.
     fn regroup(&mut self, traversal: &Traversal, rays: &[Ray]) {
         self.blocks.clear();
         self.groups.clear();
         self.single.clear();
-        traversal.kernels().run(Survey { rays, stream: self });
+        self.sizes.clear();
+        traversal.kernels().run(Cut { rays, stream: self });
+        let limit = SPREAD * self.median();
+        traversal.kernels().run(Survey { limit, stream: self });
         self.groups.sort_unstable();
         self.picks.clear();
         self.picks.extend(self.groups.iter().map(|group| group.pick()));

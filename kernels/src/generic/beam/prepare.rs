@@ -132,7 +132,8 @@ impl State {
         let v = F16::load(s, &block.dir[iv]) / dz;
         let (a, b) = (x - u * z, y - v * z);
         let lines = [u, v, a, b, a * v - b * u];
-        for (i, line) in lines.into_iter().enumerate() {
+        for i in 0..5 {
+            let line = lines[i];
             line.store(&mut self.lines[sub][i]);
             let least = active.select(line, infinity).reduce_min();
             let most = active.select(line, -infinity).reduce_max();
@@ -179,8 +180,8 @@ impl State {
             self.live_subs |= u32::from(self.live[sub] != 0) << sub;
         }
         let subs = Mask::from_bits(s, self.live_subs);
-        let slope = F16::splat(s, 16.0 * E);
-        let crossing = F16::splat(s, 16.0 * E * self.extent);
+        let slope = 16.0 * E;
+        let crossing = 16.0 * E * self.extent;
         let infinity = F16::splat(s, f32::INFINITY);
         let (bounds, beam) = (&mut self.bounds, &mut self.beam);
         let pairs = [
@@ -189,24 +190,23 @@ impl State {
             (&mut bounds.a, &mut beam.a, crossing),
             (&mut bounds.b, &mut beam.b, crossing),
         ];
-        for (i, (of_subs, of_beam, wider)) in pairs.into_iter().enumerate() {
+        let mut i = 0;
+        for (of_subs, of_beam, wider) in pairs {
             let (least, most) = (F16::load(s, &of_subs[0]), F16::load(s, &of_subs[1]));
-            (least - wider).store(&mut of_subs[0]);
-            (most + wider).store(&mut of_subs[1]);
-            *of_beam = [subs.select(least, infinity).reduce_min(), subs.select(most, -infinity).reduce_max()];
-            self.beam_middle[i] = 0.5 * (of_beam[0] + of_beam[1]);
-            self.beam_radius[i] = 0.5 * (of_beam[1] - of_beam[0]);
+            (least - F16::splat(s, wider)).store(&mut of_subs[0]);
+            (most + F16::splat(s, wider)).store(&mut of_subs[1]);
+            let least = subs.select(least, infinity).reduce_min();
+            let most = subs.select(most, -infinity).reduce_max();
+            *of_beam = [least - wider, most + wider];
+            self.beam_middle[i] = 0.5 * (least + most);
+            self.beam_radius[i] = 0.5 * (most - least);
+            i += 1;
         }
         let (middle, radius) = (F16::load(s, &self.middle[4]), F16::load(s, &self.radius[4]));
         let least = subs.select(middle - radius, infinity).reduce_min();
         let most = subs.select(middle + radius, -infinity).reduce_max();
         self.beam_middle[4] = 0.5 * (least + most);
         self.beam_radius[4] = 0.5 * (most - least);
-        self.beam.u = [self.beam.u[0] - 16.0 * E, self.beam.u[1] + 16.0 * E];
-        self.beam.v = [self.beam.v[0] - 16.0 * E, self.beam.v[1] + 16.0 * E];
-        let crossing = 16.0 * E * self.extent;
-        self.beam.a = [self.beam.a[0] - crossing, self.beam.a[1] + crossing];
-        self.beam.b = [self.beam.b[0] - crossing, self.beam.b[1] + crossing];
         self.beam.start = subs.select(F16::load(s, &self.bounds.start), infinity).reduce_min();
         self.pull_in(s);
     }

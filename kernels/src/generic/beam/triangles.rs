@@ -125,8 +125,8 @@ pub(super) fn leaf<S: Simd, const ANY: bool>(
 #[inline(always)]
 fn dot<S: Simd, const N: usize>(factors: [F8<S>; N], of: [f32; N], s: S, rest: F8<S>) -> F8<S> {
     let mut sum = rest;
-    for (factor, x) in factors.into_iter().zip(of) {
-        sum = factor.mul_add(F8::splat(s, x), sum);
+    for i in 0..N {
+        sum = factors[i].mul_add(F8::splat(s, of[i]), sum);
     }
     sum
 }
@@ -192,8 +192,8 @@ fn set_up<S: Simd>(s: S, block: &TriBlock, state: &mut State, lanes: u32) -> u32
         let factors = [m[i][0], m[i][1], -e[i][1], e[i][0], e[i][2]];
         let at = dot(factors, middle, s, m[i][2]);
         let mut by = two;
-        for (factor, radius) in factors.into_iter().zip(radius) {
-            by = factor.abs().mul_add(F8::splat(s, radius), by);
+        for j in 0..5 {
+            by = factors[j].abs().mul_add(F8::splat(s, radius[j]), by);
         }
         across = across | (at + by).lt(zero);
     }
@@ -203,15 +203,16 @@ fn set_up<S: Simd>(s: S, block: &TriBlock, state: &mut State, lanes: u32) -> u32
         let k = &mut state.triangles;
         for i in 0..3 {
             let factors = [m[i][0], m[i][1], -e[i][1], e[i][0], e[i][2]];
-            for (j, factor) in factors.into_iter().enumerate() {
-                factor.store(&mut k.edges[i][j]);
-                factor.abs().store(&mut k.sizes[i][j]);
+            for j in 0..5 {
+                factors[j].store(&mut k.edges[i][j]);
+                factors[j].abs().store(&mut k.sizes[i][j]);
             }
             m[i][2].store(&mut k.edges[i][5]);
         }
-        for (to, x) in k.plane.iter_mut().zip([n[0], n[1], n[2], d]) {
-            x.store(to);
-        }
+        n[0].store(&mut k.plane[0]);
+        n[1].store(&mut k.plane[1]);
+        n[2].store(&mut k.plane[2]);
+        d.store(&mut k.plane[3]);
         n[0].abs().store(&mut k.tilt[0]);
         n[1].abs().store(&mut k.tilt[1]);
         edge_doubt.store(&mut k.edge_doubt);

@@ -21,7 +21,7 @@ use survey::{Cut, Survey};
 
 /// Rays that are regrouped at a time.
 const CHUNK: usize = 4096;
-/// Fewer rays than this are no group (measured: see `benches/LOG.md`).
+/// Fewer rays than this are no group: a beam tests sixteen rays at a time, whoever takes part.
 const ENOUGH: u32 = 4;
 /// Origins of a group are no farther from that of one of its rays than this many times the median size of a block.
 const SPREAD: f32 = 4.0;

@@ -190,8 +190,7 @@ impl State {
             (&mut bounds.a, &mut beam.a, crossing),
             (&mut bounds.b, &mut beam.b, crossing),
         ];
-        let mut i = 0;
-        for (of_subs, of_beam, wider) in pairs {
+        for (i, (of_subs, of_beam, wider)) in pairs.into_iter().enumerate() {
             let (least, most) = (F16::load(s, &of_subs[0]), F16::load(s, &of_subs[1]));
             (least - F16::splat(s, wider)).store(&mut of_subs[0]);
             (most + F16::splat(s, wider)).store(&mut of_subs[1]);
@@ -200,7 +199,6 @@ impl State {
             *of_beam = [least - wider, most + wider];
             self.beam_middle[i] = 0.5 * (least + most);
             self.beam_radius[i] = 0.5 * (most - least);
-            i += 1;
         }
         let (middle, radius) = (F16::load(s, &self.middle[4]), F16::load(s, &self.radius[4]));
         let least = subs.select(middle - radius, infinity).reduce_min();

@@ -6,11 +6,10 @@ use irt::{
     bvh::{BuildPreset, Bvh},
     camera::Camera,
     kernels::{
-        EMPTY_NODE, Face, Flight, Hit, Kernels, MISS, PACKET_RAYS, Ray, SUB, SUBS, TILE_RAYS, TileHits,
-        TilePacket, TileScratch,
+        EMPTY_NODE, Face, Flight, Hit, Kernels, MISS, Ray, SUB, SUBS, TILE_RAYS, TileHits, TilePacket,
+        TileScratch,
     },
     scene::{CameraDescription, TriangleMesh, procedural},
-    trace::{KernelChoice, RayStream, Traversal},
 };
 use std::cell::Cell;
 
@@ -217,46 +216,6 @@ fn single_rays_in_any_direction_agree_with_brute_force() {
         for kernels in kernels() {
             same("single", &kernels, &ray, kernels.intersect(&bvh.view(), &ray), want);
             assert_eq!(kernels.occluded(&bvh.view(), &ray), want.prim != MISS, "{ray:?}");
-        }
-    }
-}
-
-/// Packets of rays that fly together, that do not, and that are no rays at all.
-#[test]
-fn packets_agree_with_single_rays() {
-    let mut random = Random(5);
-    for (mesh, spread) in
-        [(soup(12, 800, 0.2), 0.02), (soup(13, 300, 0.5), 0.3), (sphere(Vec3::ZERO, 0.7, 40), 2.0)]
-    {
-        let bvh = build(&mesh);
-        for round in 0..400 {
-            let (org, dir) = (1.5 * random.vec(), random.vec());
-            let mut rays = Vec::new();
-            for _ in 0..1 + random.below(PACKET_RAYS) {
-                let mut dir = dir + spread * random.vec();
-                match random.below(40) {
-                    0 => dir.x = 0.0,
-                    1 => dir.y = -0.0,
-                    2 => dir = Vec3::ZERO,
-                    3 => dir.z = f32::NAN,
-                    _ => {}
-                }
-                let org = org + 0.1 * spread * random.vec();
-                let tfar = if round % 3 == 0 { 1.0 } else { f32::INFINITY };
-                let tnear = if round % 5 == 0 { 0.3 } else { 0.0 };
-                let skip = random.below(mesh.len()) as u32;
-                rays.push(Ray { org: org.to_array(), dir: dir.to_array(), tnear, tfar, skip });
-            }
-            for kernels in kernels() {
-                let mut hits = vec![Hit::MISS; rays.len()];
-                kernels.packet_intersect(&bvh.view(), &rays, &mut hits);
-                let blocked = kernels.packet_occluded(&bvh.view(), &rays);
-                for (i, ray) in rays.iter().enumerate() {
-                    let want = kernels.intersect(&bvh.view(), ray);
-                    same("packet", &kernels, ray, hits[i], want);
-                    assert_eq!(blocked >> i & 1 != 0, want.prim != MISS, "{}: {ray:?}", kernels.isa());
-                }
-            }
         }
     }
 }

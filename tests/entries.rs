@@ -17,8 +17,16 @@ use machine_code::{Executable, Function, Target};
 const MODULES: [&str; 3] = ["sse42", "avx2", "avx512"];
 
 /// Entries of each module.
-const ENTRIES: [&str; 6] =
-    ["tile_intersect", "tile_occluded", "intersect", "occluded", "intersect_each", "occluded_each"];
+const ENTRIES: [&str; 8] = [
+    "tile_intersect",
+    "tile_occluded",
+    "beam_intersect",
+    "beam_occluded",
+    "intersect",
+    "occluded",
+    "intersect_each",
+    "occluded_each",
+];
 
 /// What an entry may call: names without generic arguments, or beginnings of names that end in `:` or `_`.
 const ALLOWED: [&str; 14] = [
@@ -30,6 +38,7 @@ const ALLOWED: [&str; 14] = [
     "core::result::unwrap_failed",
     // Lanes in doubt, decided exactly.
     "irt_kernels::generic::tile::triangles::settle",
+    "irt_kernels::generic::beam::triangles::settle",
     "irt_kernels::generic::doubt::nearer",
     "irt_kernels::exact::passes",
     "irt_kernels::exact::det_sign",

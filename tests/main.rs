@@ -2,6 +2,7 @@
 
 mod agree; // every kernel against brute force
 mod batch; // many rays at once against single rays
+mod beam; // beams of general rays against single rays
 mod build; // trees on every kind of input
 mod cli; // the commands as users run them
 #[cfg(all(target_arch = "x86_64", target_os = "linux"))]

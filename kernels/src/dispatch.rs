@@ -3,13 +3,14 @@
 use crate::{
     arch::Scalar,
     generic::{
+        beam,
         flight::{self, Flight},
-        packet, single,
+        single,
         tile::{self, TileScratch},
     },
     isa::Isa,
     node::{BvhView, NodeRef},
-    packet::{Hit, PACKET_RAYS, Ray, SUBS, TileHits, TilePacket},
+    packet::{Hit, Pick, Ray, RayBlock, SUB, SUBS, TileHits, TilePacket},
     simd::Kernel,
 };
 
@@ -19,8 +20,8 @@ type Intersect = unsafe fn(&BvhView, &Ray) -> Hit;
 type Occluded = unsafe fn(&BvhView, &Ray) -> bool;
 type IntersectEach = unsafe fn(&BvhView, &[Ray], &mut Flight, &mut [Hit]);
 type OccludedEach = unsafe fn(&BvhView, &[Ray], &mut Flight, &mut [bool]);
-type PacketIntersect = unsafe fn(&BvhView, &[Ray], &mut [Hit]);
-type PacketOccluded = unsafe fn(&BvhView, &[Ray]) -> u32;
+type BeamIntersect = unsafe fn(&BvhView, &[RayBlock], &[Pick], &mut [[Hit; SUB]; SUBS]);
+type BeamOccluded = unsafe fn(&BvhView, &[RayBlock], &[Pick], &mut NodeRef, &mut [u16; SUBS]);
 
 /// The kernels of one instruction set, known to run on this machine.
 #[derive(Clone, Copy, Debug)]
@@ -32,8 +33,8 @@ pub struct Kernels {
     occluded: Occluded,
     intersect_each: IntersectEach,
     occluded_each: OccludedEach,
-    packet_intersect: PacketIntersect,
-    packet_occluded: PacketOccluded,
+    beam_intersect: BeamIntersect,
+    beam_occluded: BeamOccluded,
 }
 
 impl Kernels {
@@ -131,26 +132,42 @@ impl Kernels {
         unsafe { (self.occluded_each)(bvh, rays, flight, blocked) }
     }
 
-    /// First hits of at most [`PACKET_RAYS`] rays: quickest if they share face and signs and start close together.
+    /// First hits of the active rays of up to 16 blocks, which `picks` names by index; hits of other rays are left as
+    /// they are. Quickest if all rays share a face, those of a block start close together and fly about the same way,
+    /// and neighbouring blocks do so more or less.
     ///
     /// # Panics
-    /// If there are more rays than that, or not as many hits as rays.
+    /// If there are more picks than that, or one is out of range.
     #[inline]
-    pub fn packet_intersect(&self, bvh: &BvhView, rays: &[Ray], hits: &mut [Hit]) {
-        assert!(rays.len() <= PACKET_RAYS && rays.len() == hits.len(), "at most 16 rays, each with a hit");
+    pub fn beam_intersect(
+        &self,
+        bvh: &BvhView,
+        blocks: &[RayBlock],
+        picks: &[Pick],
+        hits: &mut [[Hit; SUB]; SUBS],
+    ) {
+        assert!(picks.len() <= SUBS, "at most 16 blocks");
         // SAFETY: as in `tile_intersect`.
-        unsafe { (self.packet_intersect)(bvh, rays, hits) }
+        unsafe { (self.beam_intersect)(bvh, blocks, picks, hits) }
     }
 
-    /// Which of at most [`PACKET_RAYS`] rays anything blocks: bit = ray.
+    /// Which active rays of up to 16 blocks anything blocks: bit `i` of `blocked[s]` is ray `i` of the block that
+    /// `picks[s]` names. `seed` as in [`Kernels::tile_occluded`].
     ///
     /// # Panics
-    /// If there are more rays than that.
+    /// As [`Kernels::beam_intersect`].
     #[inline]
-    pub fn packet_occluded(&self, bvh: &BvhView, rays: &[Ray]) -> u32 {
-        assert!(rays.len() <= PACKET_RAYS, "at most 16 rays");
+    pub fn beam_occluded(
+        &self,
+        bvh: &BvhView,
+        blocks: &[RayBlock],
+        picks: &[Pick],
+        seed: &mut NodeRef,
+        blocked: &mut [u16; SUBS],
+    ) {
+        assert!(picks.len() <= SUBS, "at most 16 blocks");
         // SAFETY: as in `tile_intersect`.
-        unsafe { (self.packet_occluded)(bvh, rays) }
+        unsafe { (self.beam_occluded)(bvh, blocks, picks, seed, blocked) }
     }
 
     /// Runs a computation with this instruction set.
@@ -178,8 +195,17 @@ macro_rules! entries {
         mod $module {
             use super::*;
 
-            pub(super) const TABLE: Kernels =
-                Kernels { isa: $isa, tile_intersect, tile_occluded, intersect, occluded, intersect_each, occluded_each, packet_intersect, packet_occluded };
+            pub(super) const TABLE: Kernels = Kernels {
+                isa: $isa,
+                tile_intersect,
+                tile_occluded,
+                intersect,
+                occluded,
+                intersect_each,
+                occluded_each,
+                beam_intersect,
+                beam_occluded,
+            };
 
             $(#[target_feature(enable = $features)])?
             fn tile_intersect(
@@ -223,13 +249,19 @@ macro_rules! entries {
             }
 
             $(#[target_feature(enable = $features)])?
-            fn packet_intersect(bvh: &BvhView, rays: &[Ray], hits: &mut [Hit]) {
-                packet::intersect($token, bvh, rays, hits);
+            fn beam_intersect(bvh: &BvhView, blocks: &[RayBlock], picks: &[Pick], hits: &mut [[Hit; SUB]; SUBS]) {
+                beam::intersect($token, bvh, blocks, picks, hits);
             }
 
             $(#[target_feature(enable = $features)])?
-            fn packet_occluded(bvh: &BvhView, rays: &[Ray]) -> u32 {
-                packet::occluded($token, bvh, rays)
+            fn beam_occluded(
+                bvh: &BvhView,
+                blocks: &[RayBlock],
+                picks: &[Pick],
+                seed: &mut NodeRef,
+                blocked: &mut [u16; SUBS],
+            ) {
+                beam::occluded($token, bvh, blocks, picks, seed, blocked);
             }
 
             /// Runs any computation with the features of this module.

@@ -1,7 +1,5 @@
 //! Rays and hits, one by one and 256 at a time.
 
-/// Most rays of a packet of general rays.
-pub const PACKET_RAYS: usize = 16;
 /// Rays in a sub-packet.
 pub const SUB: usize = 16;
 /// Sub-packets in a tile packet.
@@ -200,4 +198,70 @@ impl Default for TileHits {
     fn default() -> TileHits {
         TileHits::new()
     }
+}
+
+/// Sixteen general rays side by side: what a beam is made of.
+///
+/// The closer their origins and directions, the faster; they need have nothing in common.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct RayBlock {
+    /// Origins by axis.
+    pub org: [[f32; SUB]; 3],
+    /// Directions by axis, as in [`Ray`].
+    pub dir: [[f32; SUB]; 3],
+    /// Least depths that count, as in [`Ray`].
+    pub tnear: [f32; SUB],
+    /// Greatest depths that count, as in [`Ray`].
+    pub tfar: [f32; SUB],
+    /// Primitives that do not count, as in [`Ray`].
+    pub skip: [u32; SUB],
+    /// Bit = the ray takes part. The values of the others do not matter.
+    pub active: u16,
+}
+
+impl RayBlock {
+    /// A block without active rays.
+    pub const EMPTY: RayBlock = RayBlock {
+        org: [[0.0; SUB]; 3],
+        dir: [[0.0; SUB]; 3],
+        tnear: [0.0; SUB],
+        tfar: [0.0; SUB],
+        skip: [MISS; SUB],
+        active: 0,
+    };
+
+    /// Puts a ray into lane `lane` and activates it.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, ray: &Ray) {
+        for axis in 0..3 {
+            self.org[axis][lane] = ray.org[axis];
+            self.dir[axis][lane] = ray.dir[axis];
+        }
+        self.tnear[lane] = ray.tnear;
+        self.tfar[lane] = ray.tfar;
+        self.skip[lane] = ray.skip;
+        self.active |= 1 << lane;
+    }
+
+    /// The ray of lane `lane`.
+    #[inline(always)]
+    pub fn ray(&self, lane: usize) -> Ray {
+        Ray {
+            org: [self.org[0][lane], self.org[1][lane], self.org[2][lane]],
+            dir: [self.dir[0][lane], self.dir[1][lane], self.dir[2][lane]],
+            tnear: self.tnear[lane],
+            tfar: self.tfar[lane],
+            skip: self.skip[lane],
+        }
+    }
+}
+
+/// Rays of one block that a beam takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pick {
+    /// Index of the block.
+    pub block: u32,
+    /// Bit = ray; only those that the block has active count.
+    pub active: u16,
 }

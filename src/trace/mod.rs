@@ -10,8 +10,8 @@ pub use stream::RayStream;
 use crate::{
     bvh::Bvh,
     kernels::{
-        BvhView, Flight, Hit, Kernel, Kernels, NodeRef, Ray, SUB, SUBS, Simd, TILE_RAYS, TileHits,
-        TilePacket, TileScratch,
+        BvhView, Flight, Hit, Kernel, Kernels, NodeRef, Pick, Ray, RayBlock, SUB, SUBS, Simd, TILE_RAYS,
+        TileHits, TilePacket, TileScratch,
     },
 };
 use std::{fmt, str::FromStr};
@@ -129,14 +129,20 @@ impl<'a> Traversal<'a> {
         self.kernels.occluded_each(&self.view, rays, flight, blocked);
     }
 
-    /// First hits of at most 16 rays that should fly about the same way.
-    pub fn intersect_rays(&self, rays: &[Ray], hits: &mut [Hit]) {
-        self.kernels.packet_intersect(&self.view, rays, hits);
+    /// First hits of the active rays of up to 16 blocks that should fly about the same way; `picks` names the blocks.
+    pub fn intersect_beam(&self, blocks: &[RayBlock], picks: &[Pick], hits: &mut [[Hit; SUB]; SUBS]) {
+        self.kernels.beam_intersect(&self.view, blocks, picks, hits);
     }
 
-    /// Which of at most 16 rays, which should fly about the same way, are blocked: bit = ray.
-    pub fn occluded_rays(&self, rays: &[Ray]) -> u32 {
-        self.kernels.packet_occluded(&self.view, rays)
+    /// Which active rays of up to 16 blocks are blocked: bit = ray. `seed` as in [`Kernels::tile_occluded`].
+    pub fn occluded_beam(
+        &self,
+        blocks: &[RayBlock],
+        picks: &[Pick],
+        seed: &mut NodeRef,
+        blocked: &mut [u16; SUBS],
+    ) {
+        self.kernels.beam_occluded(&self.view, blocks, picks, seed, blocked);
     }
 
     /// True if a single ray is blocked.

@@ -3,11 +3,11 @@
 //! Private: callers go through [`crate::Kernels`], which reaches an instantiation inside a `#[target_feature]`
 //! function. Everything here is `#[inline(always)]`, except the cold functions that decide doubtful lanes exactly.
 
+pub(crate) mod beam;
 pub(crate) mod doubt;
 pub(crate) mod finish;
 pub(crate) mod flight;
 pub(crate) mod leaf;
-pub(crate) mod packet;
 pub(crate) mod shear;
 pub(crate) mod single;
 pub(crate) mod stack;

@@ -98,7 +98,7 @@ pub(crate) fn intersect<S: Simd>(
     walk::traverse::<S, false>(s, bvh, blocks, picks, &mut state);
     for (sub, &pick) in picks.iter().enumerate().take(SUBS) {
         let block = &blocks[pick.block as usize];
-        finish::hits(bvh, block, pick.active, &state, sub, &mut hits[sub]);
+        finish::hits(s, bvh, block, pick.active, &state, sub, &mut hits[sub]);
         let mut left = u32::from(state.alone[sub]);
         while left != 0 {
             let lane = (left.trailing_zeros() & 15) as usize;

@@ -1,6 +1,6 @@
 //! Walking the tree: which children anyone has to visit, nearest first.
 
-use super::{Bounds, State, triangles::leaf};
+use super::{Bounds, E, State, triangles::leaf};
 use crate::{
     generic::{F8, F16, stack::Stack},
     node::{BvhView, EMPTY_NODE, Node, NodeRef},
@@ -8,6 +8,9 @@ use crate::{
     simd::{Lanes, Simd},
     vector::{F32, I32, Mask},
 };
+
+/// For so few sub-packets at a leaf, looking at each ray first pays.
+const FEW: u32 = 6;
 
 /// A subtree that some sub-packets still have to visit.
 #[derive(Clone, Copy)]
@@ -85,7 +88,10 @@ fn children<S: Simd>(
     while left != 0 {
         let child = (left.trailing_zeros() & 7) as usize;
         left &= left - 1;
-        let wanted = sub_test(s, child, state) & subs;
+        let mut wanted = sub_test(s, child, state) & subs;
+        if node.child[child].is_leaf() && wanted.count_ones() <= FEW {
+            wanted = pierced(s, child, state, wanted);
+        }
         if wanted != 0 {
             let near = state.planes.z[0][child];
             stack.insert(bottom, Entry { node: node.child[child], subs: wanted, near }, |e| e.near < near);
@@ -99,6 +105,35 @@ fn children<S: Simd>(
         None => return false,
     }
     true
+}
+
+/// Those of a few sub-packets that have a ray through box `child`.
+#[inline(always)]
+fn pierced<S: Simd>(s: S, child: usize, state: &State, mut subs: u32) -> u32 {
+    let Planes { x, y, z } = &state.planes;
+    let (x, y, z) = (splat(s, x, child), splat(s, y, child), splat(s, z, child));
+    // As much as the bounds of sub-packets are widened by.
+    let slope = F16::splat(s, 16.0 * E);
+    let crossing = F16::splat(s, 16.0 * E * state.extent);
+    let mut pierced = 0;
+    while subs != 0 {
+        let sub = (subs.trailing_zeros() & 15) as usize;
+        subs &= subs - 1;
+        let [u, v, a, b, _] = &state.lines[sub];
+        let (u, v) = (F16::load(s, u), F16::load(s, v));
+        let (a, b) = (F16::load(s, a), F16::load(s, b));
+        let lines = Bounds {
+            u: [u - slope, u + slope],
+            v: [v - slope, v + slope],
+            a: [a - crossing, a + crossing],
+            b: [b - crossing, b + crossing],
+            start: F16::load(s, &state.start[0][sub]),
+            reach: F16::load(s, &state.hi[sub]),
+        };
+        let rays = !misses(&lines, x, y, z).bits() & u32::from(state.live[sub]);
+        pierced |= u32::from(rays != 0) << sub;
+    }
+    pierced
 }
 
 /// Lanes in which a box misses the lines: see `prepare` for why none that is hit is among them. Written so that NaN

@@ -139,7 +139,6 @@ impl RayStream {
 
     /// Fills `blocks`, `single`, and `picks` in the order in which they are cut into beams. Every ray gets into one.
     fn regroup(&mut self, traversal: &Traversal, rays: &[Ray]) {
-        self.blocks.clear();
         self.groups.clear();
         self.single.clear();
         self.sizes.clear();

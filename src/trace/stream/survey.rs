@@ -8,6 +8,9 @@ const NEAR: f32 = 0.1;
 /// Bits of a cell of directions in a key; the face stands above them.
 pub(super) const CELL_BITS: u32 = 6;
 
+/// Rays are asked for so far ahead of being cut.
+const AHEAD: usize = 8 * SUB;
+
 /// Cuts rays into blocks, and finds out how far apart the origins in each are.
 pub(super) struct Cut<'a> {
     pub(super) rays: &'a [Ray],
@@ -26,10 +29,16 @@ impl Kernel for Cut<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
         let infinity = F32::<S, SUB>::splat(s, f32::INFINITY);
-        for rays in self.rays.chunks(SUB) {
-            let mut block = RayBlock::EMPTY;
-            for (lane, ray) in rays.iter().enumerate() {
-                block.set(lane, ray);
+        let RayStream { blocks, sizes, .. } = self.stream;
+        blocks.resize(self.rays.len().div_ceil(SUB), RayBlock::EMPTY);
+        for index in 0..blocks.len() {
+            let (block, first) = (&mut blocks[index], index * SUB);
+            block.active = 0;
+            if let Some(ahead) = self.rays.get(first + AHEAD..first + AHEAD + SUB) {
+                s.prefetch(ahead.as_ptr().cast::<[Ray; SUB]>());
+            }
+            for lane in 0..SUB.min(self.rays.len() - first) {
+                block.set(lane, &self.rays[first + lane]);
             }
             let active = Mask::from_bits(s, u32::from(block.active));
             let mut size = 0.0f32;
@@ -38,8 +47,7 @@ impl Kernel for Cut<'_> {
                 let least = active.select(org, infinity).reduce_min();
                 size = size.max(active.select(org, -infinity).reduce_max() - least);
             }
-            self.stream.blocks.push(block);
-            self.stream.sizes.push(size);
+            sizes.push(size);
         }
     }
 }

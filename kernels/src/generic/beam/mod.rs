@@ -49,9 +49,6 @@ struct State {
     /// Middle and half the width of the intervals of `lines`, by sub-packet.
     middle: [[f32; SUBS]; 5],
     radius: [[f32; SUBS]; 5],
-    /// Greatest depth at which anything blocks all rays of a sub-packet that is not behind one.
-    ceiling: [f32; SUBS],
-    floor: [f32; SUBS],
     /// The same for the whole beam.
     beam: Bounds<f32>,
     beam_middle: [f32; 5],
@@ -59,6 +56,8 @@ struct State {
     /// Working space of `walk` and `triangles`.
     planes: Planes,
     triangles: Coefficients,
+    /// Triangle (lane of its block) * 16 + sub-packet; appending writes 16 at once, whatever counts of them.
+    pairs: [u32; 9 * SUBS],
     /// Rays still to be decided.
     live: [u16; SUBS],
     /// Sub-packets with such rays.

@@ -46,13 +46,12 @@ impl State {
             bounds: Bounds::NOTHING,
             middle: [[0.0; SUBS]; 5],
             radius: [[0.0; SUBS]; 5],
-            ceiling: [0.0; SUBS],
-            floor: [0.0; SUBS],
             beam: Bounds { u: none, v: none, a: none, b: none, start: f32::INFINITY, reach: -1.0 },
             beam_middle: [0.0; 5],
             beam_radius: [0.0; 5],
             planes: Planes::EMPTY,
             triangles: Coefficients::EMPTY,
+            pairs: [0; 9 * SUBS],
             live: [0; SUBS],
             live_subs: 0,
             alone: [0; SUBS],
@@ -132,21 +131,19 @@ impl State {
         let v = F16::load(s, &block.dir[iv]) / dz;
         let (a, b) = (x - u * z, y - v * z);
         let lines = [u, v, a, b, a * v - b * u];
+        let mut ends = [infinity; 10];
         for i in 0..5 {
-            let line = lines[i];
-            line.store(&mut self.lines[sub][i]);
-            let least = active.select(line, infinity).reduce_min();
-            let most = active.select(line, -infinity).reduce_max();
-            self.middle[i][sub] = 0.5 * (least + most);
-            self.radius[i][sub] = 0.5 * (most - least);
-            match i {
-                0 => (self.bounds.u[0][sub], self.bounds.u[1][sub]) = (least, most),
-                1 => (self.bounds.v[0][sub], self.bounds.v[1][sub]) = (least, most),
-                2 => (self.bounds.a[0][sub], self.bounds.a[1][sub]) = (least, most),
-                3 => (self.bounds.b[0][sub], self.bounds.b[1][sub]) = (least, most),
-                _ => {}
-            }
+            lines[i].store(&mut self.lines[sub][i]);
+            ends[2 * i] = active.select(lines[i], infinity);
+            ends[2 * i + 1] = active.select(-lines[i], infinity);
         }
+        let [u0, u1, v0, v1] = F16::reduce_min4(s, [ends[0], ends[1], ends[2], ends[3]]);
+        let [a0, a1, b0, b1] = F16::reduce_min4(s, [ends[4], ends[5], ends[6], ends[7]]);
+        let bounds = &mut self.bounds;
+        (bounds.u[0][sub], bounds.u[1][sub]) = (u0, -u1);
+        (bounds.v[0][sub], bounds.v[1][sub]) = (v0, -v1);
+        (bounds.a[0][sub], bounds.a[1][sub]) = (a0, -a1);
+        (bounds.b[0][sub], bounds.b[1][sub]) = (b0, -b1);
         // Depths are off by a few units of each term.
         let slack = F16::splat(s, 8.0 * E);
         let near = F16::splat(s, 0.0).max(F16::load(s, &block.tnear)) * dz;
@@ -161,10 +158,16 @@ impl State {
         }
         lo.store(&mut self.lo[sub]);
         hi.store(&mut self.hi[sub]);
-        self.bounds.start[sub] = active.select(start[0], infinity).reduce_min();
-        self.bounds.reach[sub] = hi.reduce_max();
-        self.floor[sub] = active.select(start[1], -infinity).reduce_max();
-        self.ceiling[sub] = active.select(lo, infinity).reduce_min();
+        let first = active.select(start[0], infinity);
+        let [w0, w1, first, last] = F16::reduce_min4(s, [ends[8], ends[9], first, -hi]);
+        self.bounds.start[sub] = first;
+        self.bounds.reach[sub] = -last;
+        let least = [u0, v0, a0, b0, w0];
+        let most = [-u1, -v1, -a1, -b1, -w1];
+        for i in 0..5 {
+            self.middle[i][sub] = 0.5 * (least[i] + most[i]);
+            self.radius[i][sub] = 0.5 * (most[i] - least[i]);
+        }
     }
 
     /// Bounds of the beam; widens those of the sub-packets, and gives up those that fly apart.

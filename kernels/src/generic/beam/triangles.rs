@@ -40,7 +40,7 @@ use crate::{
         leaf::{TINY, corners},
     },
     node::{BvhView, NodeRef, TriBlock},
-    packet::{Pick, RayBlock},
+    packet::{Pick, RayBlock, SUBS},
     simd::Simd,
     vector::{I32, Mask},
 };
@@ -99,21 +99,25 @@ pub(super) fn leaf<S: Simd, const ANY: bool>(
 ) -> NodeRef {
     let block_index = node.block();
     let mut left = set_up(s, &bvh.blocks[block_index], state, node.lanes());
-    let mut touched = 0;
+    // Pairs are listed first, so that one loop without unforeseeable branches tests all of them.
+    const SUB_NUMBERS: [u32; SUBS] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+    let numbers = I32::<S, 16>::load(s, &SUB_NUMBERS);
+    let mut pairs = 0;
     while left != 0 {
         let lane = (left.trailing_zeros() & 7) as usize;
         left &= left - 1;
-        let (mut wanted, covered) = sub_packets::<S, ANY>(s, lane, state, subs & state.live_subs);
-        while wanted != 0 {
-            let sub = (wanted.trailing_zeros() & 15) as usize;
-            wanted &= wanted - 1;
-            let rays = &blocks[picks[sub].block as usize];
-            let pair = Pair { lane, sub, slot: (block_index * 8 + lane) as u32, rays };
-            let inside = covered >> sub & 1 != 0;
-            if test::<S, ANY>(s, bvh, state, &pair, inside) {
-                touched |= 1 << sub;
-            }
+        let wanted = sub_packets(s, lane, state, subs & state.live_subs);
+        if let Some((room, _)) = state.pairs[pairs..].split_first_chunk_mut() {
+            (numbers + I32::splat(s, (lane * SUBS) as u32)).compress(wanted, room);
         }
+        pairs += wanted.count_ones() as usize;
+    }
+    let mut touched = 0;
+    for at in 0..pairs {
+        let (lane, sub) = (state.pairs[at] as usize / SUBS & 7, state.pairs[at] as usize % SUBS);
+        let rays = &blocks[picks[sub].block as usize];
+        let pair = Pair { lane, sub, slot: (block_index * 8 + lane) as u32, rays };
+        touched |= u32::from(test::<S, ANY>(s, bvh, state, &pair)) << sub;
     }
     if touched == 0 {
         return last;
@@ -250,19 +254,18 @@ fn plane<S: Simd>(s: S, k: &Coefficients, lane: usize, lines: &[F16<S>; 5]) -> [
     [above, nx.mul_add(lines[0], ny.mul_add(lines[1], nz))]
 }
 
-/// Which of `subs` one triangle may meet, and which of those it covers; lane = sub-packet.
+/// Which of `subs` one triangle may meet; lane = sub-packet.
 #[inline(always)]
-fn sub_packets<S: Simd, const ANY: bool>(s: S, lane: usize, state: &State, subs: u32) -> (u32, u32) {
+fn sub_packets<S: Simd>(s: S, lane: usize, state: &State, subs: u32) -> u32 {
     let k = &state.triangles;
     let (reach, start) = (F16::load(s, &state.bounds.reach), F16::load(s, &state.bounds.start));
     let mut outside = reach.lt(F16::splat(s, k.depth[0][lane])) | F16::splat(s, k.depth[1][lane]).lt(start);
     if k.oriented >> lane & 1 == 0 {
-        return (!outside.bits() & subs, 0);
+        return !outside.bits() & subs;
     }
     let (lines, widths) = (five(s, &state.middle), five(s, &state.radius));
     let zero = F16::splat(s, 0.0);
     let two = F16::splat(s, k.edge_doubt[lane] + k.edge_doubt[lane]);
-    let mut inside = zero.le(zero);
     for i in 0..3 {
         let at = edge(s, k, i, lane, &lines);
         let mut by = two;
@@ -270,11 +273,6 @@ fn sub_packets<S: Simd, const ANY: bool>(s: S, lane: usize, state: &State, subs:
             by = F16::splat(s, k.sizes[i][j][lane]).mul_add(widths[j], by);
         }
         outside = outside | (at + by).lt(zero);
-        inside = inside & by.lt(at);
-    }
-    let wanted = !outside.bits() & subs;
-    if wanted == 0 {
-        return (0, 0);
     }
     // Farther than anything of interest, or nearer.
     let [above, facing] = plane(s, k, lane, &lines);
@@ -286,8 +284,7 @@ fn sub_packets<S: Simd, const ANY: bool>(s: S, lane: usize, state: &State, subs:
     let (low, high) = (facing - turn, facing + turn);
     let beyond = (reach.min(most) * high).lt(above - by);
     let before = (above + by).lt(start * low);
-    let wanted = wanted & !(beyond | before).bits();
-    (wanted, inside.bits() & wanted)
+    !(outside | beyond | before).bits() & subs
 }
 
 /// A triangle and a sub-packet.
@@ -300,36 +297,27 @@ struct Pair<'a> {
 
 /// Tests the rays of a sub-packet against one triangle; true if any was decided.
 #[inline(always)]
-fn test<S: Simd, const ANY: bool>(s: S, bvh: &BvhView, state: &mut State, pair: &Pair, inside: bool) -> bool {
+fn test<S: Simd, const ANY: bool>(s: S, bvh: &BvhView, state: &mut State, pair: &Pair) -> bool {
     let &Pair { lane, sub, slot, rays } = pair;
     let k = &state.triangles;
     let lines = five(s, &state.lines[sub]);
-    let mut candidates = u32::from(state.live[sub]);
-    let mut sure = candidates;
-    if !inside {
-        let edges = [edge(s, k, 0, lane, &lines), edge(s, k, 1, lane, &lines), edge(s, k, 2, lane, &lines)];
-        let least = edges[0].min(edges[1]).min(edges[2]);
-        let most = edges[0].max(edges[1]).max(edges[2]);
-        let doubt = F16::splat(s, k.edge_doubt[lane]);
-        candidates &= !(least.lt(-doubt) & doubt.lt(most)).bits();
-        if candidates == 0 {
-            return false;
-        }
-        sure = (doubt.lt(least) | most.lt(-doubt)).bits();
-    }
+    let edges = [edge(s, k, 0, lane, &lines), edge(s, k, 1, lane, &lines), edge(s, k, 2, lane, &lines)];
+    let least = edges[0].min(edges[1]).min(edges[2]);
+    let most = edges[0].max(edges[1]).max(edges[2]);
+    let doubt = F16::splat(s, k.edge_doubt[lane]);
+    let beside = least.lt(-doubt) & doubt.lt(most);
+    let within = doubt.lt(least) | most.lt(-doubt);
     let [above, facing] = plane(s, k, lane, &lines);
     let inverse = F16::splat(s, 1.0) / facing;
     let (depth, doubt) = (above * inverse, F16::splat(s, k.depth_doubt[lane]) * inverse.abs());
     let (least, most) = (depth - doubt, depth + doubt);
     let (lo, hi) = (F16::load(s, &state.lo[sub]), F16::load(s, &state.hi[sub]));
     let start = [F16::load(s, &state.start[0][sub]), F16::load(s, &state.start[1][sub])];
-    candidates &= !(hi.lt(least) | most.lt(start[0])).bits();
-    if candidates == 0 {
-        return false;
-    }
     let prim = bvh.blocks[(slot >> 3) as usize].prim[lane];
-    candidates &= !I32::load(s, &rays.skip).eq(I32::<S, 16>::splat(s, prim)).bits();
-    let sure = (most.lt(lo) & start[1].lt(least)).bits() & sure & candidates;
+    let skipped = I32::load(s, &rays.skip).eq(I32::<S, 16>::splat(s, prim));
+    let not = beside | hi.lt(least) | most.lt(start[0]) | skipped;
+    let candidates = !not.bits() & u32::from(state.live[sub]);
+    let sure = (within & most.lt(lo) & start[1].lt(least)).bits() & candidates;
     if ANY {
         state.live[sub] &= !(sure as u16);
     } else {

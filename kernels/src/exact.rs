@@ -122,7 +122,9 @@ impl Canonical {
 
     #[inline(always)]
     fn clamp(&self, t: f64, dz: f64) -> f64 {
-        let (near, far) = if dz > 0.0 { (self.z0 / dz, self.z1 / dz) } else { (self.z1 / dz, self.z0 / dz) };
+        let inverse = 1.0 / dz;
+        let (first, second) = if dz > 0.0 { (self.z0, self.z1) } else { (self.z1, self.z0) };
+        let (near, far) = (first * inverse, second * inverse);
         let t = if t > near { t } else { near };
         if t < far { t } else { far }
     }

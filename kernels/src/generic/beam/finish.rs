@@ -4,15 +4,21 @@
 //! sub-packet go through the formula side by side in f64, once for each triangle among their hits. The operations per
 //! ray are those of [`Canonical::hit`] in the same order, so it does not matter for the result which way a ray goes.
 
-use super::State;
+use super::{State, triangles::own};
 use crate::{
     exact::{Canonical, wide},
-    generic::doubt::{NO_SLOT, block_of},
+    generic::{
+        doubt::{NO_SLOT, block_of},
+        leaf::triangle,
+    },
     node::BvhView,
     packet::{Hit, RayBlock, SUB},
     simd::Simd,
     vector::I32,
 };
+
+/// So few rays of a triangle are evaluated one by one.
+const FEW: u32 = 2;
 
 /// Writes the hits of the rays of a sub-packet that were traced together.
 #[inline(always)]
@@ -40,8 +46,19 @@ pub(super) fn hits<S: Simd>(
             continue;
         }
         let (block, at) = block_of(bvh, slot);
-        let [t, u, v] = evaluate(state, rays, &block.v, at);
         let prim = block.prim[at];
+        if group.count_ones() <= FEW {
+            while group != 0 {
+                let lane = (group.trailing_zeros() & 15) as usize;
+                group &= group - 1;
+                let (frame, d) = own(&state.frame, rays, lane);
+                let [a, b, c] = triangle(block, at, &frame);
+                let [t, u, v] = Canonical::new(a, b, c).hit(wide(d));
+                hits[lane] = Hit { prim, t, u, v };
+            }
+            continue;
+        }
+        let [t, u, v] = evaluate(state, rays, &block.v, at);
         while group != 0 {
             let lane = (group.trailing_zeros() & 15) as usize;
             group &= group - 1;

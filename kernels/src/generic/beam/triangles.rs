@@ -114,7 +114,8 @@ pub(super) fn leaf<S: Simd, const ANY: bool>(
     }
     let mut touched = 0;
     for at in 0..pairs {
-        let (lane, sub) = (state.pairs[at] as usize / SUBS & 7, state.pairs[at] as usize % SUBS);
+        let pair = state.pairs[at] as usize;
+        let (lane, sub) = (pair / SUBS % 8, pair % SUBS);
         let rays = &blocks[picks[sub].block as usize];
         let pair = Pair { lane, sub, slot: (block_index * 8 + lane) as u32, rays };
         touched |= u32::from(test::<S, ANY>(s, bvh, state, &pair)) << sub;
@@ -363,7 +364,7 @@ fn settle<const ANY: bool>(bvh: &BvhView, state: &mut State, pair: &Pair, mut do
 
 /// The frame of one ray's own origin, and its direction in it.
 #[inline(always)]
-fn own(frame: &Frame, rays: &RayBlock, lane: usize) -> (Frame, [f32; 3]) {
+pub(super) fn own(frame: &Frame, rays: &RayBlock, lane: usize) -> (Frame, [f32; 3]) {
     let [iu, iv, iz] = frame.axes;
     let org = [rays.org[iu][lane], rays.org[iv][lane], rays.org[iz][lane]];
     let d = [rays.dir[iu][lane], rays.dir[iv][lane], rays.dir[iz][lane].abs()];

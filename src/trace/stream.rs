@@ -95,8 +95,8 @@ impl RayStream {
         })
     }
 
-    /// Fills `order`: stable, by key.
-    fn sort(&mut self, rays: &[Ray]) {
+    /// Fills `order`, stable, by key, and returns it.
+    pub(crate) fn sort(&mut self, rays: &[Ray]) -> &[u32] {
         self.keys.clear();
         self.keys.extend(rays.iter().map(|ray| key(ray) as u16));
         self.starts.fill(0);
@@ -112,6 +112,7 @@ impl RayStream {
             self.order[*at as usize] = i as u32;
             *at += 1;
         }
+        &self.order
     }
 }
 

@@ -400,7 +400,7 @@ fn the_kernels_steps_find_what_the_kernel_finds() {
     let used = camera.rays(&Kernels::detect(), [16, 32], [16, 9], &mut six);
     for packet in &six[..used] {
         let meeting = Meeting::new(bvh.view(), packet.clone());
-        assert!(meeting.boxes() > 0 && meeting.triangles() > 0 && meeting.pairs() >= meeting.rays());
+        assert!(meeting.boxes() > 0 && meeting.triangles() > 0 && meeting.pairs() > 0);
         for kernels in kernels() {
             let mut steps = meeting.clone();
             for step in

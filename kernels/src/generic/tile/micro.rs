@@ -14,12 +14,14 @@ use crate::{
     arch::Scalar,
     dispatch::Kernels,
     generic::{
+        F16,
         doubt::NO_SLOT,
         finish::{self, Planes},
     },
     node::{BvhView, EMPTY_NODE, NodeRef},
     packet::{MISS, SUBS, TileHits, TilePacket},
     simd::{Kernel, Simd},
+    vector::I32,
 };
 
 /// A packet, and the parts of a tree that it has to look at even if it knows its hits in advance.
@@ -227,8 +229,11 @@ impl Kernel for TriangleTest<'_, '_> {
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
         let Meeting { bvh, packet, state, start, leaves, pairs, .. } = self.0;
-        (state.lo, state.hi) = (start[0], start[1]);
-        state.slot = [[NO_SLOT; 16]; SUBS];
+        for sub in 0..SUBS {
+            F16::load(s, &start[0][sub]).store(&mut state.lo[sub]);
+            F16::load(s, &start[1][sub]).store(&mut state.hi[sub]);
+            I32::splat(s, NO_SLOT).store(&mut state.slot[sub]);
+        }
         for pair in &*pairs {
             triangles::test::<S, false>(s, bvh, packet, state, &leaves[pair.leaf], pair.slot, pair.sub);
         }

@@ -113,3 +113,24 @@ pub fn micro_verdict(rows: &[MicroRow]) -> Result<()> {
         ))),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_that_differ_are_an_error() {
+        let row = |isa, agrees| MicroRow {
+            scene: "room".into(),
+            step: "box test",
+            isa,
+            unit: "box",
+            units: 1,
+            ns: vec![1.0],
+            agrees,
+        };
+        assert!(micro_verdict(&[row(Isa::Scalar, true), row(Isa::Avx2, true)]).is_ok());
+        let error = micro_verdict(&[row(Isa::Scalar, true), row(Isa::Avx2, false)]).unwrap_err();
+        assert!(error.to_string().contains("box test of room: avx2"), "{error}");
+    }
+}

@@ -116,7 +116,7 @@ fn tile_steps(stage: &Stage, kernels: Kernels) -> [Step<'_>; 4] {
         tile_step(&meetings, "box test", "box", Meeting::boxes, move |m| m.test_boxes(&k)),
         tile_step(&meetings, "leaf set-up", "triangle", Meeting::triangles, move |m| m.set_up_leaves(&k)),
         tile_step(&meetings, "triangle test", "ray x triangle", Meeting::pairs, move |m| {
-            m.test_triangles(&k)
+            m.test_triangles(&k);
         }),
         tile_step(&meetings, "finishing hits", "ray", Meeting::rays, move |m| m.finish(&k)),
     ]

@@ -7,9 +7,10 @@ use irt::{
     camera::Camera,
     kernels::{
         EMPTY_NODE, Face, Flight, Hit, Kernels, MISS, Ray, SUB, SUBS, TILE_RAYS, TileHits, TilePacket,
-        TileScratch,
+        TileScratch, micro::Meeting,
     },
     scene::{CameraDescription, TriangleMesh, procedural},
+    trace::{KernelChoice, RayStream, Traversal},
 };
 use std::cell::Cell;
 
@@ -347,5 +348,27 @@ fn all_kernels_agree_on_the_built_in_scenes() {
         }
         hits += check_packet(name, &scene.mesh, &bvh, &packet);
         assert!(hits > 20, "{name}: only {hits} rays hit");
+    }
+}
+
+#[test]
+fn the_kernels_steps_find_what_the_kernel_finds() {
+    let scene = procedural::build("atrium", 0.1).expect("a built-in scene");
+    let bvh = build(&scene.mesh);
+    let camera = Camera::new(&scene.camera, 64, 64);
+    let mut six = std::array::from_fn(|_| TilePacket::new());
+    let used = camera.rays(&Kernels::detect(), [16, 32], [16, 9], &mut six);
+    for packet in &six[..used] {
+        let meeting = Meeting::new(bvh.view(), packet.clone());
+        assert!(meeting.boxes() > 0 && meeting.triangles() > 0 && meeting.pairs() > 0);
+        for kernels in kernels() {
+            let mut steps = meeting.clone();
+            for step in
+                [Meeting::test_boxes, Meeting::set_up_leaves, Meeting::test_triangles, Meeting::finish]
+            {
+                step(&mut steps, &kernels);
+                assert_eq!(steps.checksum(), meeting.checksum(), "{}", kernels.isa());
+            }
+        }
     }
 }

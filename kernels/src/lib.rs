@@ -37,7 +37,7 @@ mod vector;
 pub use arch::Scalar;
 pub use dispatch::Kernels;
 pub use generic::flight::Flight;
-pub use generic::tile::TileScratch;
+pub use generic::tile::{TileScratch, micro};
 pub use isa::{Isa, ParseIsaError};
 pub use node::{BvhView, EMPTY_NODE, MAX_DEPTH, Node, NodeKind, NodeRef, TriBlock};
 pub use packet::{Face, Hit, MISS, Pick, Ray, RayBlock, SUB, SUBS, TILE_RAYS, TileHits, TilePacket};

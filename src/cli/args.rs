@@ -181,7 +181,7 @@ pub(super) struct ScenesArgs {
 /// `irt bench`.
 #[derive(Args, Debug)]
 pub(super) struct BenchArgs {
-    /// Scenes as for render [default: atrium, nave, office, hall, statue]
+    /// Scenes as for render [default: atrium, nave, office, hall, statue; of --micro atrium]
     #[arg(value_name = "SCENE")]
     pub(super) scenes: Vec<String>,
     /// Kinds of rays
@@ -213,15 +213,18 @@ pub(super) struct BenchArgs {
     pub(super) threads: usize,
     #[command(flatten)]
     pub(super) pin: PinArgs,
-    /// Width and height of the image whose rays are traced
-    #[arg(long, value_name = "WxH", default_value = "1024x1024", value_parser = size)]
-    pub(super) size: [u32; 2],
+    /// Width and height of the image whose rays are traced [default: 1024x1024; of --micro 256x256]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(super) size: Option<[u32; 2]>,
     /// Time to spend on irt's tree
     #[arg(long, default_value = BuildPreset::default().name(), value_parser = one_of::<BuildPreset>())]
     pub(super) build: BuildPreset,
     /// Compare builds instead: every preset's time, size, and rays per second; of obvhs, there is none
     #[arg(long, conflicts_with_all = ["build", "all_modes"])]
     pub(super) builds: bool,
+    /// Time the steps of a frame one by one instead, in ns per ray, box or triangle, for every instruction set
+    #[arg(long, conflicts_with_all = ["builds", "all_modes", "kinds", "engines", "threads"])]
+    pub(super) micro: bool,
     /// Show and export every kernel of every engine, not only its fastest; --verbose does so too
     #[arg(long)]
     pub(super) all_modes: bool,

@@ -7,13 +7,19 @@ use super::{
 };
 use crate::{
     error::Result,
-    report::{BenchRow, bench_summary, bench_table, builds_table},
+    report::{BenchRow, bench_summary, bench_table, builds_table, micro_table},
     scene::{Scene, load},
-    study::bench::{BenchOptions, Row, bench, best_rows, builds, check, verdict},
+    study::bench::{BenchOptions, Row, bench, best_rows, builds, check, micro, micro_verdict, verdict},
 };
 
 /// Scenes unless others are named: those built in as counterparts of the thesis' five.
 const SCENES: [&str; 5] = ["atrium", "nave", "office", "hall", "statue"];
+/// Scene for single steps unless others are named.
+const STEPS_OF: &str = SCENES[0];
+/// Size of the image whose rays are traced.
+const SIZE: [u32; 2] = [1024; 2];
+/// The same for single steps, whose data shall stay in the cache.
+const STEPS_SIZE: [u32; 2] = [256; 2];
 
 /// Times traversal kernels side by side.
 ///
@@ -33,6 +39,15 @@ pub(super) fn run(args: &BenchArgs, talk: Talk) -> Result<()> {
         exports.write(&builds_table(&rows, &options.kinds))?;
         let traced: Vec<Row> = rows.into_iter().flat_map(|row| row.traced).collect();
         return verdict(&traced);
+    }
+    if args.micro {
+        let steps = |scene: &Scene, place: &str| {
+            tell(talk, &format!("{place}: steps"));
+            micro(scene, &options)
+        };
+        let rows = each_scene(args, steps)?;
+        exports.write(&micro_table(&rows))?;
+        return micro_verdict(&rows);
     }
     let kernels = |scene: &Scene, place: &str| {
         tell(talk, &format!("{place}: trees"));
@@ -62,7 +77,7 @@ fn options(args: &BenchArgs) -> BenchOptions {
         rounds: args.rounds,
         threads: args.threads,
         pin: args.pin.pin(),
-        size: args.size,
+        size: args.size.unwrap_or(if args.micro { STEPS_SIZE } else { SIZE }),
         build: args.build,
     }
 }
@@ -86,10 +101,10 @@ fn tell(talk: Talk, text: &str) {
 
 /// What `measure` finds out about all scenes; it also gets the name to tell people.
 fn each_scene<T>(args: &BenchArgs, measure: impl Fn(&Scene, &str) -> Result<Vec<T>>) -> Result<Vec<T>> {
-    let scenes: Vec<&str> = if args.scenes.is_empty() {
-        SCENES.to_vec()
-    } else {
-        args.scenes.iter().map(String::as_str).collect()
+    let scenes: Vec<&str> = match &args.scenes[..] {
+        [] if args.micro => vec![STEPS_OF],
+        [] => SCENES.to_vec(),
+        named => named.iter().map(String::as_str).collect(),
     };
     let mut rows = Vec::new();
     for (index, spec) in once_each(&scenes).into_iter().enumerate() {

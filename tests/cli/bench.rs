@@ -1,6 +1,7 @@
 //! `irt bench`.
 
 use super::{Folder, folder_with_scenes};
+use irt::kernels::Isa;
 use serde_json::Value;
 use std::fs;
 
@@ -56,6 +57,50 @@ fn bench_measures_what_is_asked_for() {
 }
 
 #[test]
+fn bench_times_the_steps_of_a_frame_for_each_instruction_set() {
+    let folder = folder_with_scenes();
+    let run = |flags: &str| {
+        let line = format!("bench --micro atrium@0.1 --size 40x24 --rounds 2 -q --export-json - {flags}");
+        rows(folder.run(&line).as_bytes())
+    };
+    let all = run("");
+    let steps = [
+        "ray generation",
+        "box test",
+        "leaf set-up",
+        "triangle test",
+        "finishing hits",
+        "primary packets",
+        "primary, single rays",
+        "shadow ray generation",
+        "shadow regrouping",
+        "shadow streams",
+        "adding light",
+        "stream sort",
+    ];
+    let isas: Vec<Isa> = Isa::available().collect();
+    let expected: Vec<_> =
+        steps.iter().flat_map(|step| isas.iter().map(move |isa| (*step, isa.name()))).collect();
+    let told: Vec<_> =
+        all.iter().map(|row| (row["step"].as_str().unwrap(), row["isa"].as_str().unwrap())).collect();
+    assert_eq!(told, expected);
+    for (row, isa) in all.iter().zip(isas.iter().cycle()) {
+        assert_eq!((&row["scene"], &row["agrees"]), (&"atrium".into(), &true.into()));
+        assert_eq!((&row["rounds"], &row["width"]), (&2.into(), &isa.lanes().into()));
+        assert!(row["unit"].is_string() && row["units"].as_u64().unwrap() > 0);
+        let ns = ["min", "ns/unit", "max"].map(|key| row[key].as_f64().unwrap());
+        assert!(0.0 < ns[0] && ns.is_sorted(), "{row}");
+    }
+    assert_eq!(all[0]["units"], 40 * 24, "a primary ray for each pixel");
+    let one = run("--isa scalar");
+    assert_eq!(one.len(), steps.len());
+    assert!(one.iter().all(|row| row["isa"] == "scalar"));
+    // A leaf alone has no boxes to test, and the table is told without an export.
+    let text = folder.run("bench --micro square.toml --size 16x16 --rounds 1 -q --isa scalar");
+    assert!(text.contains("triangle test") && !text.contains("box test"), "{text}");
+}
+
+#[test]
 fn bench_answers_mistakes_before_the_work() {
     let folder = Folder::new();
     for (flags, named) in [
@@ -64,6 +109,7 @@ fn bench_answers_mistakes_before_the_work() {
         ("--rounds 0", "--rounds"),
         ("--threads 0", "--threads"),
         ("--size 0x1", "--size"),
+        ("--micro --kinds primary", "--micro"),
         ("--export-csv no/a.csv", "no/a.csv"),
         ("--export-csv - --export-json -", "--export-csv"),
     ] {

@@ -9,11 +9,13 @@
 
 mod builds;
 mod irt;
+pub mod micro;
 mod peers;
 mod rays;
 mod timer;
 
 pub use builds::{BuildRow, builds};
+pub use micro::{MicroRow, micro, micro_verdict};
 pub use rays::{Kind, RaySet, Seen};
 
 use crate::{

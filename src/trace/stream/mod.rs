@@ -137,8 +137,9 @@ impl RayStream {
         *self.sizes.select_nth_unstable_by(middle, f32::total_cmp).1
     }
 
-    /// Fills `blocks`, `single`, and `picks` in the order in which they are cut into beams. Every ray gets into one.
-    fn regroup(&mut self, traversal: &Traversal, rays: &[Ray]) {
+    /// Fills `blocks`, `single`, and `picks`, which it returns, in the order in which they are cut into beams. Every ray
+    /// gets into one. There are at most 2^20 rays.
+    pub(crate) fn regroup(&mut self, traversal: &Traversal, rays: &[Ray]) -> &[Pick] {
         self.groups.clear();
         self.single.clear();
         self.sizes.clear();
@@ -148,6 +149,7 @@ impl RayStream {
         self.groups.sort_unstable();
         self.picks.clear();
         self.picks.extend(self.groups.iter().map(|group| group.pick()));
+        &self.picks
     }
 }
 

@@ -63,6 +63,15 @@ impl BlockPlanes {
         self.value(s, i, lane, u, v)
     }
 
+    /// All coefficients, as bits.
+    pub(super) fn bits(&self) -> impl Iterator<Item = u32> + '_ {
+        let functions = self.f.as_flattened().as_flattened();
+        let extents = self.extent.as_flattened().as_flattened();
+        let doubts = self.edge_doubt.iter().chain(&self.depth_doubt);
+        let floats = functions.iter().chain(extents).chain(doubts).map(|x| x.to_bits());
+        floats.chain(self.high.as_flattened().iter().copied())
+    }
+
     /// What an edge function of triangle `lane` must exceed to be positive beyond doubt.
     #[inline(always)]
     pub(super) fn edge_doubt<S: Simd>(&self, s: S, lane: usize) -> F16<S> {

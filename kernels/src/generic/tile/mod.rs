@@ -20,6 +20,7 @@
 
 mod block;
 mod boxes;
+pub mod micro;
 mod scratch;
 mod triangles;
 mod walk;

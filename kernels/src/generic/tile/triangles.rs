@@ -157,7 +157,7 @@ pub(super) fn work_off<S: Simd, const ANY: bool>(
 
 /// Sub-packets that triangle `lane` may meet; lane = sub-packet.
 #[inline(always)]
-fn sub_packets<S: Simd>(s: S, planes: &BlockPlanes, lane: usize, state: &State) -> u32 {
+pub(super) fn sub_packets<S: Simd>(s: S, planes: &BlockPlanes, lane: usize, state: &State) -> u32 {
     let (u, v) = (&state.u, &state.v);
     let [[u_least, u_most], [v_least, v_most]] = &planes.extent;
     let mut inside = F16::splat(s, u_least[lane]).le(F16::load(s, &u[1]));
@@ -173,7 +173,7 @@ fn sub_packets<S: Simd>(s: S, planes: &BlockPlanes, lane: usize, state: &State) 
 
 /// Tests the rays of a sub-packet against the triangle in `slot`; true if any was decided.
 #[inline(always)]
-fn test<S: Simd, const ANY: bool>(
+pub(super) fn test<S: Simd, const ANY: bool>(
     s: S,
     bvh: &BvhView,
     packet: &TilePacket,

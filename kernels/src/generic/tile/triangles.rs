@@ -19,7 +19,7 @@ use super::{
 use crate::{
     generic::{
         F16,
-        doubt::{inverse_interval, nearer},
+        doubt::{Duel, inverse_interval},
     },
     node::{BvhView, NodeRef},
     packet::{SUB, SUBS, TilePacket},
@@ -191,7 +191,8 @@ pub(super) fn test<S: Simd, const ANY: bool>(
     let (lo, hi) = (F16::load(s, &state.lo[sub]), F16::load(s, &state.hi[sub]));
     let candidate = F16::splat(s, 0.0).le(inside) & lo.le(w);
     let w_lo = w - planes.depth_doubt(s, lane);
-    let sure = candidate & planes.edge_doubt(s, lane).lt(inside) & hi.lt(w_lo);
+    let pierced = candidate & planes.edge_doubt(s, lane).lt(inside);
+    let sure = pierced & hi.lt(w_lo);
     // Rays that are decided or take no part are not live.
     let mut candidates = candidate.bits() & u32::from(state.live[sub]);
     if packet.bounded {
@@ -210,22 +211,24 @@ pub(super) fn test<S: Simd, const ANY: bool>(
     let doubtful = candidates & !sure;
     let mut decided = sure != 0;
     if doubtful != 0 {
-        decided |= settle::<ANY>(bvh, packet, state, doubtful, sub, slot);
+        decided |= settle::<ANY>(bvh, packet, state, [doubtful, pierced.bits()], sub, slot);
     }
     decided
 }
 
-/// Decides the doubtful rays of a sub-packet exactly; true if one hits.
+/// Decides the doubtful rays of a sub-packet exactly; true if one hits. Those `pierced` are known to pass through the
+/// triangle: only depth is in doubt, as where two surfaces coincide.
 #[cold]
 #[inline(never)]
 fn settle<const ANY: bool>(
     bvh: &BvhView,
     packet: &TilePacket,
     state: &mut State,
-    mut doubtful: u32,
+    [mut doubtful, pierced]: [u32; 2],
     sub: usize,
     slot: u32,
 ) -> bool {
+    let mut duel = Duel::new(bvh, &state.frame, slot);
     let mut decided = false;
     while doubtful != 0 {
         let i = doubtful.trailing_zeros() as usize;
@@ -233,7 +236,8 @@ fn settle<const ANY: bool>(
         let ray = sub * SUB + i;
         let direction = [packet.u[ray], packet.v[ray], 1.0];
         let best = state.slot[sub][i];
-        if let Some(t) = nearer(bvh, &state.frame, direction, [0.0, packet.tfar(ray)], slot, best) {
+        let pierced = pierced >> i & 1 != 0;
+        if let Some(t) = duel.nearer(bvh, &state.frame, direction, [0.0, packet.tfar(ray)], best, pierced) {
             decided = true;
             if ANY {
                 state.live[sub] &= !(1 << i);

@@ -111,6 +111,7 @@ impl Builder {
 }
 
 /// Splits the set of a node at this depth so that no path gets too long.
+#[inline(never)]
 fn split_at<'a>(task: Task<'a>, extent: &Extent, depth: usize) -> [Task<'a>; 2] {
     // From here on, halves reach the leaves just in time.
     let levels = usize::BITS - task.len().leading_zeros();

@@ -41,7 +41,8 @@ impl<'a> Task<'a> {
 }
 
 /// Splits a set of two or more in two that are not empty.
-#[inline(always)]
+// Not inlined, because its bins must not lie on the stack of whoever goes on recursively.
+#[inline(never)]
 pub(super) fn split<'a>(task: Task<'a>, extent: &Extent) -> [Task<'a>; 2] {
     if task.len() <= FEW {
         match sweep::best(task.from) {

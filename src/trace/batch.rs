@@ -32,16 +32,16 @@ impl Traversal<'_> {
         threads: usize,
         start: &(impl Fn(usize) + Sync),
     ) {
-        share(rays, hits, threads, start, |rays, hits| {
+        share(rays, hits, threads, start, |buffers, rays, hits| {
+            let Buffers { scratch, flight } = buffers;
             let mut found = TileHits::new();
-            let mut scratch = TileScratch::new();
             let packet = |packet: &TilePacket, members: &[u32]| {
-                self.intersect(packet, &mut scratch, &mut found);
+                self.intersect(packet, scratch, &mut found);
                 members.iter().enumerate().for_each(|(i, &ray)| hits[ray as usize] = found.hit(i));
             };
             let (single, numbers) = others(rays, packet);
             let mut found = vec![Hit::MISS; single.len()];
-            self.intersect_each(&single, &mut Flight::default(), &mut found);
+            self.intersect_each(&single, flight, &mut found);
             numbers.iter().zip(found).for_each(|(&ray, hit)| hits[ray as usize] = hit);
         });
     }
@@ -57,22 +57,29 @@ impl Traversal<'_> {
         threads: usize,
         start: &(impl Fn(usize) + Sync),
     ) {
-        share(rays, blocked, threads, start, |rays, blocked| {
+        share(rays, blocked, threads, start, |buffers, rays, blocked| {
+            let Buffers { scratch, flight } = buffers;
             let mut seed: NodeRef = super::NO_OCCLUDER;
-            let mut scratch = TileScratch::new();
             let packet = |packet: &TilePacket, members: &[u32]| {
                 let mut bits = [0; SUBS];
-                self.occluded(packet, &mut scratch, &mut seed, &mut bits);
+                self.occluded(packet, scratch, &mut seed, &mut bits);
                 for (i, &ray) in members.iter().enumerate() {
                     blocked[ray as usize] = (bits[i / SUB] >> (i % SUB) & 1) as u8;
                 }
             };
             let (single, numbers) = others(rays, packet);
             let mut found = vec![false; single.len()];
-            self.occluded_each(&single, &mut Flight::default(), &mut found);
+            self.occluded_each(&single, flight, &mut found);
             numbers.iter().zip(found).for_each(|(&ray, hit)| blocked[ray as usize] = hit.into());
         });
     }
+}
+
+/// What each thread keeps from chunk to chunk.
+#[derive(Default)]
+struct Buffers {
+    scratch: TileScratch,
+    flight: Flight,
 }
 
 /// Hands out chunks of rays, each with its results, to threads.
@@ -81,7 +88,7 @@ fn share<T: Send>(
     results: &mut [T],
     threads: usize,
     start: &(impl Fn(usize) + Sync),
-    trace: impl Fn(&[Ray], &mut [T]) + Sync,
+    trace: impl Fn(&mut Buffers, &[Ray], &mut [T]) + Sync,
 ) {
     assert_eq!(rays.len(), results.len(), "a batch needs one result per ray");
     let chunks = Mutex::new(rays.chunks(CHUNK).zip(results.chunks_mut(CHUNK)));
@@ -91,8 +98,9 @@ fn share<T: Send>(
             let (next, trace) = (&next, &trace);
             scope.spawn(move || {
                 start(thread);
+                let mut buffers = Buffers::default();
                 while let Some((rays, results)) = next() {
-                    trace(rays, results);
+                    trace(&mut buffers, rays, results);
                 }
             });
         }

@@ -6,11 +6,10 @@ use irt::{
     bvh::{BuildPreset, Bvh},
     camera::Camera,
     kernels::{
-        EMPTY_NODE, Face, Flight, Hit, Kernels, MISS, Ray, SUB, SUBS, TILE_RAYS, TileHits, TilePacket,
-        TileScratch, micro::Meeting,
+        EMPTY_NODE, Face, Hit, Kernels, MISS, Ray, SUB, SUBS, TILE_RAYS, TileHits, TilePacket, TileScratch,
+        micro::Meeting,
     },
     scene::{CameraDescription, TriangleMesh, procedural},
-    trace::{KernelChoice, RayStream, Traversal},
 };
 use std::cell::Cell;
 
@@ -217,49 +216,6 @@ fn single_rays_in_any_direction_agree_with_brute_force() {
         for kernels in kernels() {
             same("single", &kernels, &ray, kernels.intersect(&bvh.view(), &ray), want);
             assert_eq!(kernels.occluded(&bvh.view(), &ray), want.prim != MISS, "{ray:?}");
-        }
-    }
-}
-
-/// Streams and flights of any rays in any order.
-#[test]
-fn streams_and_flights_agree_with_single_rays() {
-    let mut random = Random(6);
-    let mesh = soup(14, 900, 0.2);
-    let bvh = build(&mesh);
-    let mut stream = RayStream::default();
-    let mut flight = Flight::default();
-    for count in [0, 1, 15, 700, 5000] {
-        let mut rays: Vec<Ray> = Vec::new();
-        while rays.len() < count {
-            let mut dir = random.vec();
-            match random.below(50) {
-                0 => (dir.x, dir.y) = (0.0, -0.0),
-                1 => dir = Vec3::ZERO,
-                2 => dir.x = f32::INFINITY,
-                _ => {}
-            }
-            let org = 0.5 * random.vec();
-            let tfar = if random.below(3) == 0 { 0.5 } else { f32::INFINITY };
-            rays.push(Ray { org: org.to_array(), dir: dir.to_array(), tnear: 0.0, tfar, skip: MISS });
-        }
-        for kernels in kernels() {
-            let traversal = Traversal::new(&bvh, kernels, KernelChoice::Tile);
-            let mut hits = vec![Hit::MISS; count];
-            stream.intersect(&traversal, &rays, &mut hits);
-            let mut blocked = vec![false; count];
-            stream.occluded(&traversal, &rays, &mut blocked);
-            let mut flown = vec![Hit::MISS; count];
-            traversal.intersect_each(&rays, &mut flight, &mut flown);
-            let mut stopped = vec![false; count];
-            traversal.occluded_each(&rays, &mut flight, &mut stopped);
-            for (i, ray) in rays.iter().enumerate() {
-                let want = kernels.intersect(&bvh.view(), ray);
-                same("stream", &kernels, ray, hits[i], want);
-                same("flight", &kernels, ray, flown[i], want);
-                assert_eq!(blocked[i], want.prim != MISS, "stream, {}: {ray:?}", kernels.isa());
-                assert_eq!(stopped[i], want.prim != MISS, "flight, {}: {ray:?}", kernels.isa());
-            }
         }
     }
 }

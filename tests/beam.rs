@@ -5,7 +5,7 @@ use crate::support::{Random, brute_force, kernels, mesh_of, soup, sphere};
 use glam::Vec3;
 use irt::{
     bvh::{BuildPreset, Bvh},
-    kernels::{BvhView, EMPTY_NODE, Face, Hit, Kernels, MISS, Pick, Ray, RayBlock, SUB, SUBS},
+    kernels::{BvhView, EMPTY_NODE, Face, Flight, Hit, HitBlock, Kernels, MISS, Pick, Ray, RayBlock, SUB},
     scene::{TriangleMesh, procedural},
     trace::{KernelChoice, RayStream, Traversal},
 };
@@ -43,19 +43,29 @@ fn blocks(rays: &[Ray]) -> (Vec<RayBlock>, Vec<Pick>) {
 fn check_wanted(context: &str, kernels: &Kernels, view: &BvhView, rays: &[Ray], wanted: &[Hit]) {
     let (blocks, picks) = blocks(rays);
     let untouched = Hit { prim: 7, t: -3.0, u: -4.0, v: -5.0 };
-    let mut hits = [[untouched; SUB]; SUBS];
+    let mut hits = vec![HitBlock::splat(untouched); blocks.len()];
     kernels.beam_intersect(view, &blocks, &picks, &mut hits);
-    let mut hits = hits.iter().flatten();
-    for (ray, want) in rays.iter().zip(wanted) {
-        same(context, kernels, ray, *hits.next().expect("256 hits"), *want);
+    let at = |i: usize| (picks[i / SUB].block as usize, i % SUB);
+    for (i, (ray, want)) in rays.iter().zip(wanted).enumerate() {
+        let (block, lane) = at(i);
+        same(context, kernels, ray, hits[block].get(lane), *want);
+        hits[block].set(lane, untouched);
     }
-    assert!(hits.all(|&hit| hit == untouched), "{context}: inactive rays keep what was there");
+    assert!(
+        hits.iter().all(|&hits| hits == HitBlock::splat(untouched)),
+        "{context}: inactive rays keep what was there"
+    );
     let mut seed = EMPTY_NODE;
     for round in ["cold", "seeded"] {
-        let mut blocked = [0; SUBS];
+        let mut blocked = vec![0x5555; blocks.len()];
         kernels.beam_occluded(view, &blocks, &picks, &mut seed, &mut blocked);
+        for (block, &bits) in blocks.iter().zip(&blocked) {
+            let others = !block.active;
+            assert_eq!(bits & others, 0x5555 & others, "{context}: inactive rays keep what was there");
+        }
         for (i, (ray, want)) in rays.iter().zip(wanted).enumerate() {
-            let got = blocked[i / SUB] >> (i % SUB) & 1 != 0;
+            let (block, lane) = at(i);
+            let got = blocked[block] >> lane & 1 != 0;
             assert_eq!(got, want.prim != MISS, "{context}, {round}, {}: {ray:?}", kernels.isa());
         }
     }
@@ -257,44 +267,73 @@ fn an_empty_scene_is_missed_by_beams() {
     check("no rays", &TriangleMesh::default(), &bvh, &[]);
 }
 
-/// A stream of any rays in any order, and one of rays that fly together.
+/// A stream or flight of any rays in any order, and of rays that fly together.
 #[test]
-fn streams_agree_with_single_rays() {
+fn streams_and_flights_agree_with_single_rays() {
     let mut random = Random(6);
     let mesh = soup(14, 900, 0.2);
     let bvh = build(&mesh);
-    let mut stream = RayStream::default();
+    let (mut stream, mut flight) = (RayStream::default(), Flight::default());
     for count in [0, 1, 15, 700, 9000] {
         for spread in [2.0, 0.05] {
-            let mut rays: Vec<Ray> = Vec::new();
-            let mut toward = random.vec();
-            while rays.len() < count {
-                if random.below(100) == 0 {
-                    toward = random.vec();
-                }
-                let mut dir = toward + spread * random.vec();
-                match random.below(50) {
-                    0 => (dir.x, dir.y) = (0.0, -0.0),
-                    1 => dir = Vec3::ZERO,
-                    2 => dir.x = f32::INFINITY,
-                    _ => {}
-                }
-                let org = 0.5 * random.vec();
-                let tfar = if random.below(3) == 0 { 0.5 } else { f32::INFINITY };
-                rays.push(Ray { org: org.to_array(), dir: dir.to_array(), tnear: 0.0, tfar, skip: MISS });
-            }
+            let rays = wandering(&mut random, count, spread);
+            let mut blocks = Vec::new();
+            RayBlock::pack(rays.iter(), &mut blocks);
+            // Some are left out; in flights, whole blocks too.
+            blocks.iter_mut().step_by(7).for_each(|block| block.active &= 0xf37f);
+            let picks: Vec<Pick> = (0..blocks.len() as u32)
+                .filter(|block| block % 13 != 5)
+                .map(|block| Pick { block, active: 0xfdff })
+                .collect();
             for kernels in kernels() {
                 let traversal = Traversal::new(&bvh, kernels, KernelChoice::Tile);
-                let mut hits = vec![Hit::MISS; count];
-                stream.intersect(&traversal, &rays, &mut hits);
-                let mut blocked = vec![false; count];
-                stream.occluded(&traversal, &rays, &mut blocked);
+                let untouched = Hit { prim: 7, t: -3.0, u: -4.0, v: -5.0 };
+                let mut hits = vec![HitBlock::splat(untouched); blocks.len()];
+                let mut flown = hits.clone();
+                let mut blocked = vec![0x5555; blocks.len()];
+                let mut stopped = blocked.clone();
+                stream.intersect(&traversal, &blocks, &mut hits);
+                stream.occluded(&traversal, &blocks, &mut blocked);
+                traversal.intersect_each(&blocks, &picks, &mut flight, &mut flown);
+                traversal.occluded_each(&blocks, &picks, &mut flight, &mut stopped);
                 for (i, ray) in rays.iter().enumerate() {
-                    let want = kernels.intersect(&bvh.view(), ray);
-                    same("stream", &kernels, ray, hits[i], want);
-                    assert_eq!(blocked[i], want.prim != MISS, "{}: {ray:?}", kernels.isa());
+                    let (block, lane) = (i / SUB, i % SUB);
+                    let hit = kernels.intersect(&bvh.view(), ray);
+                    let bit = |bits: u16| bits >> lane & 1 != 0;
+                    let active = bit(blocks[block].active);
+                    let (want, wanted) =
+                        if active { (hit, hit.prim != MISS) } else { (untouched, bit(0x5555)) };
+                    same("stream", &kernels, ray, hits[block].get(lane), want);
+                    assert_eq!(bit(blocked[block]), wanted, "stream, {}: {ray:?}", kernels.isa());
+                    let active = active && bit(0xfdff) && block % 13 != 5;
+                    let (want, wanted) =
+                        if active { (hit, hit.prim != MISS) } else { (untouched, bit(0x5555)) };
+                    same("flight", &kernels, ray, flown[block].get(lane), want);
+                    assert_eq!(bit(stopped[block]), wanted, "flight, {}: {ray:?}", kernels.isa());
                 }
             }
         }
     }
+}
+
+/// Rays about a direction that changes now and then, some without a meaning.
+fn wandering(random: &mut Random, count: usize, spread: f32) -> Vec<Ray> {
+    let mut rays: Vec<Ray> = Vec::new();
+    let mut toward = random.vec();
+    while rays.len() < count {
+        if random.below(100) == 0 {
+            toward = random.vec();
+        }
+        let mut dir = toward + spread * random.vec();
+        match random.below(50) {
+            0 => (dir.x, dir.y) = (0.0, -0.0),
+            1 => dir = Vec3::ZERO,
+            2 => dir.x = f32::INFINITY,
+            _ => {}
+        }
+        let org = 0.5 * random.vec();
+        let tfar = if random.below(3) == 0 { 0.5 } else { f32::INFINITY };
+        rays.push(Ray { org: org.to_array(), dir: dir.to_array(), tnear: 0.0, tfar, skip: MISS });
+    }
+    rays
 }

@@ -10,7 +10,7 @@ use crate::{
     },
     isa::Isa,
     node::{BvhView, NodeRef},
-    packet::{Hit, Pick, Ray, RayBlock, SUB, SUBS, TileHits, TilePacket},
+    packet::{Hit, HitBlock, Pick, Ray, RayBlock, SUBS, TileHits, TilePacket},
     simd::Kernel,
 };
 
@@ -18,10 +18,10 @@ type TileIntersect = unsafe fn(&BvhView, &TilePacket, &mut TileScratch, &mut Til
 type TileOccluded = unsafe fn(&BvhView, &TilePacket, &mut TileScratch, &mut NodeRef, &mut [u16; SUBS]);
 type Intersect = unsafe fn(&BvhView, &Ray) -> Hit;
 type Occluded = unsafe fn(&BvhView, &Ray) -> bool;
-type IntersectEach = unsafe fn(&BvhView, &[Ray], &mut Flight, &mut [Hit]);
-type OccludedEach = unsafe fn(&BvhView, &[Ray], &mut Flight, &mut [bool]);
-type BeamIntersect = unsafe fn(&BvhView, &[RayBlock], &[Pick], &mut [[Hit; SUB]; SUBS]);
-type BeamOccluded = unsafe fn(&BvhView, &[RayBlock], &[Pick], &mut NodeRef, &mut [u16; SUBS]);
+type IntersectEach = unsafe fn(&BvhView, &[RayBlock], &[Pick], &mut Flight, &mut [HitBlock]);
+type OccludedEach = unsafe fn(&BvhView, &[RayBlock], &[Pick], &mut Flight, &mut [u16]);
+type BeamIntersect = unsafe fn(&BvhView, &[RayBlock], &[Pick], &mut [HitBlock]);
+type BeamOccluded = unsafe fn(&BvhView, &[RayBlock], &[Pick], &mut NodeRef, &mut [u16]);
 
 /// The kernels of one instruction set, known to run on this machine.
 #[derive(Clone, Copy, Debug)]
@@ -110,49 +110,56 @@ impl Kernels {
         unsafe { (self.occluded)(bvh, ray) }
     }
 
-    /// First hits of rays that have nothing in common: several are on their way at once.
+    /// First hits of the active rays of the blocks that `picks` names by index, which need have nothing in common: several
+    /// are on their way at once. `hits` has an entry for each block; those of other rays are left as they are.
     ///
     /// # Panics
-    /// If there are not as many hits as rays.
+    /// If a pick is out of range of the blocks or hits.
     #[inline]
-    pub fn intersect_each(&self, bvh: &BvhView, rays: &[Ray], flight: &mut Flight, hits: &mut [Hit]) {
-        assert_eq!(rays.len(), hits.len(), "one hit for each ray");
-        // SAFETY: as in `tile_intersect`.
-        unsafe { (self.intersect_each)(bvh, rays, flight, hits) }
-    }
-
-    /// Which of many rays that have nothing in common anything blocks.
-    ///
-    /// # Panics
-    /// If there are not as many answers as rays.
-    #[inline]
-    pub fn occluded_each(&self, bvh: &BvhView, rays: &[Ray], flight: &mut Flight, blocked: &mut [bool]) {
-        assert_eq!(rays.len(), blocked.len(), "one answer for each ray");
-        // SAFETY: as in `tile_intersect`.
-        unsafe { (self.occluded_each)(bvh, rays, flight, blocked) }
-    }
-
-    /// First hits of the active rays of up to 16 blocks, which `picks` names by index; hits of other rays are left as
-    /// they are. Quickest if all rays share a face, those of a block start close together and fly about the same way,
-    /// and neighbouring blocks do so more or less.
-    ///
-    /// # Panics
-    /// If there are more picks than that, or one is out of range.
-    #[inline]
-    pub fn beam_intersect(
+    pub fn intersect_each(
         &self,
         bvh: &BvhView,
         blocks: &[RayBlock],
         picks: &[Pick],
-        hits: &mut [[Hit; SUB]; SUBS],
+        flight: &mut Flight,
+        hits: &mut [HitBlock],
     ) {
-        assert!(picks.len() <= SUBS, "at most 16 blocks");
+        // SAFETY: as in `tile_intersect`.
+        unsafe { (self.intersect_each)(bvh, blocks, picks, flight, hits) }
+    }
+
+    /// Which active rays of the blocks that `picks` names anything blocks: bit `i` of `blocked[b]` is ray `i` of block
+    /// `b`. Bits of other rays are left as they are.
+    ///
+    /// # Panics
+    /// As [`Kernels::intersect_each`].
+    #[inline]
+    pub fn occluded_each(
+        &self,
+        bvh: &BvhView,
+        blocks: &[RayBlock],
+        picks: &[Pick],
+        flight: &mut Flight,
+        blocked: &mut [u16],
+    ) {
+        // SAFETY: as in `tile_intersect`.
+        unsafe { (self.occluded_each)(bvh, blocks, picks, flight, blocked) }
+    }
+
+    /// As [`Kernels::intersect_each`] for up to 16 picks. Quickest if all rays share a face, those of a pick start close
+    /// together and fly about the same way, and neighbouring picks do so more or less.
+    ///
+    /// # Panics
+    /// If there are more picks than that, or one is out of range of the blocks or hits.
+    #[inline]
+    pub fn beam_intersect(&self, bvh: &BvhView, blocks: &[RayBlock], picks: &[Pick], hits: &mut [HitBlock]) {
+        assert!(picks.len() <= SUBS, "at most 16 picks");
         // SAFETY: as in `tile_intersect`.
         unsafe { (self.beam_intersect)(bvh, blocks, picks, hits) }
     }
 
-    /// Which active rays of up to 16 blocks anything blocks: bit `i` of `blocked[s]` is ray `i` of the block that
-    /// `picks[s]` names. `seed` as in [`Kernels::tile_occluded`].
+    /// As [`Kernels::occluded_each`] for rays like those of [`Kernels::beam_intersect`]. `seed` as in
+    /// [`Kernels::tile_occluded`].
     ///
     /// # Panics
     /// As [`Kernels::beam_intersect`].
@@ -163,9 +170,9 @@ impl Kernels {
         blocks: &[RayBlock],
         picks: &[Pick],
         seed: &mut NodeRef,
-        blocked: &mut [u16; SUBS],
+        blocked: &mut [u16],
     ) {
-        assert!(picks.len() <= SUBS, "at most 16 blocks");
+        assert!(picks.len() <= SUBS, "at most 16 picks");
         // SAFETY: as in `tile_intersect`.
         unsafe { (self.beam_occluded)(bvh, blocks, picks, seed, blocked) }
     }
@@ -239,17 +246,29 @@ macro_rules! entries {
             }
 
             $(#[target_feature(enable = $features)])?
-            fn intersect_each(bvh: &BvhView, rays: &[Ray], flight: &mut Flight, hits: &mut [Hit]) {
-                flight::intersect($token, bvh, rays, flight, hits);
+            fn intersect_each(
+                bvh: &BvhView,
+                blocks: &[RayBlock],
+                picks: &[Pick],
+                flight: &mut Flight,
+                hits: &mut [HitBlock],
+            ) {
+                flight::intersect($token, bvh, blocks, picks, flight, hits);
             }
 
             $(#[target_feature(enable = $features)])?
-            fn occluded_each(bvh: &BvhView, rays: &[Ray], flight: &mut Flight, blocked: &mut [bool]) {
-                flight::occluded($token, bvh, rays, flight, blocked);
+            fn occluded_each(
+                bvh: &BvhView,
+                blocks: &[RayBlock],
+                picks: &[Pick],
+                flight: &mut Flight,
+                blocked: &mut [u16],
+            ) {
+                flight::occluded($token, bvh, blocks, picks, flight, blocked);
             }
 
             $(#[target_feature(enable = $features)])?
-            fn beam_intersect(bvh: &BvhView, blocks: &[RayBlock], picks: &[Pick], hits: &mut [[Hit; SUB]; SUBS]) {
+            fn beam_intersect(bvh: &BvhView, blocks: &[RayBlock], picks: &[Pick], hits: &mut [HitBlock]) {
                 beam::intersect($token, bvh, blocks, picks, hits);
             }
 
@@ -259,7 +278,7 @@ macro_rules! entries {
                 blocks: &[RayBlock],
                 picks: &[Pick],
                 seed: &mut NodeRef,
-                blocked: &mut [u16; SUBS],
+                blocked: &mut [u16],
             ) {
                 beam::occluded($token, bvh, blocks, picks, seed, blocked);
             }

@@ -40,6 +40,8 @@ pub use generic::flight::Flight;
 pub use generic::tile::{TileScratch, micro};
 pub use isa::{Isa, ParseIsaError};
 pub use node::{BvhView, EMPTY_NODE, MAX_DEPTH, Node, NodeKind, NodeRef, TriBlock};
-pub use packet::{Face, Hit, MISS, Pick, Ray, RayBlock, SUB, SUBS, TILE_RAYS, TileHits, TilePacket};
+pub use packet::{
+    Face, Hit, HitBlock, MISS, Pick, Ray, RayBlock, SUB, SUBS, TILE_RAYS, TileHits, TilePacket,
+};
 pub use simd::{Kernel, Lanes, Simd};
 pub use vector::{F32, I32, Mask};

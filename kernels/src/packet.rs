@@ -200,7 +200,7 @@ impl Default for TileHits {
     }
 }
 
-/// Sixteen general rays side by side: what a beam is made of.
+/// Sixteen general rays side by side: the form in which all kernels but those for a common origin take rays.
 ///
 /// The closer their origins and directions, the faster; they need have nothing in common.
 #[derive(Clone, Copy, Debug)]
@@ -231,6 +231,15 @@ impl RayBlock {
         active: 0,
     };
 
+    /// Replaces `blocks` by rays, 16 in a block; lanes of the last one may stay inactive.
+    pub fn pack<'a>(rays: impl ExactSizeIterator<Item = &'a Ray>, blocks: &mut Vec<RayBlock>) {
+        blocks.clear();
+        blocks.resize(rays.len().div_ceil(SUB), RayBlock::EMPTY);
+        for (i, ray) in rays.enumerate() {
+            blocks[i / SUB].set(i % SUB, ray);
+        }
+    }
+
     /// Puts a ray into lane `lane` and activates it.
     #[inline(always)]
     pub fn set(&mut self, lane: usize, ray: &Ray) {
@@ -257,7 +266,43 @@ impl RayBlock {
     }
 }
 
-/// Rays of one block that a beam takes.
+/// First hits of the rays of a [`RayBlock`]; those of rays that are not traced keep what was there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(64))]
+pub struct HitBlock {
+    /// Primitive ids, [`MISS`] where nothing was hit.
+    pub prim: [u32; SUB],
+    /// Depths along the rays; infinity for a miss.
+    pub t: [f32; SUB],
+    /// Barycentric weights of the second corner.
+    pub u: [f32; SUB],
+    /// Barycentric weights of the third corner.
+    pub v: [f32; SUB],
+}
+
+impl HitBlock {
+    /// All misses.
+    pub const MISS: HitBlock = HitBlock::splat(Hit::MISS);
+
+    /// The same hit for all rays.
+    pub const fn splat(hit: Hit) -> HitBlock {
+        HitBlock { prim: [hit.prim; SUB], t: [hit.t; SUB], u: [hit.u; SUB], v: [hit.v; SUB] }
+    }
+
+    /// The hit of ray `lane`.
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> Hit {
+        Hit { prim: self.prim[lane], t: self.t[lane], u: self.u[lane], v: self.v[lane] }
+    }
+
+    /// Replaces the hit of ray `lane`.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, hit: Hit) {
+        (self.prim[lane], self.t[lane], self.u[lane], self.v[lane]) = (hit.prim, hit.t, hit.u, hit.v);
+    }
+}
+
+/// Rays of one block that are to be traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pick {
     /// Index of the block.

@@ -1,16 +1,17 @@
 //! Many arbitrary rays on several threads.
 //!
 //! ```text
-//!   rays --chunks of 4096--> one origin?  no  -> in flights
-//!                              yes -> by face -> 256 at a time where they are close, else in flights
+//!   rays --chunks of 4096--> one origin?  no  -> as a stream: beams where they fly together, else flights
+//!                              yes -> by face -> 256 at a time where they are close, else as a stream
 //! ```
 //!
 //! A ray joins a packet only if the packet traces exactly that ray, so that the way it is traced never shows in the
 //! result.
 
-use super::Traversal;
+use super::{RayStream, Traversal};
 use crate::kernels::{
-    Face, Flight, Hit, MISS, NodeRef, Ray, SUB, SUBS, TILE_RAYS, TileHits, TilePacket, TileScratch,
+    Face, Hit, HitBlock, MISS, NodeRef, Ray, RayBlock, SUB, SUBS, TILE_RAYS, TileHits, TilePacket,
+    TileScratch,
 };
 use std::sync::{Mutex, PoisonError};
 
@@ -33,16 +34,18 @@ impl Traversal<'_> {
         start: &(impl Fn(usize) + Sync),
     ) {
         share(rays, hits, threads, start, |buffers, rays, hits| {
-            let Buffers { scratch, flight } = buffers;
+            let Buffers { scratch, stream, blocks, met, .. } = buffers;
             let mut found = TileHits::new();
             let packet = |packet: &TilePacket, members: &[u32]| {
                 self.intersect(packet, scratch, &mut found);
                 members.iter().enumerate().for_each(|(i, &ray)| hits[ray as usize] = found.hit(i));
             };
-            let (single, numbers) = others(rays, packet);
-            let mut found = vec![Hit::MISS; single.len()];
-            self.intersect_each(&single, flight, &mut found);
-            numbers.iter().zip(found).for_each(|(&ray, hit)| hits[ray as usize] = hit);
+            let numbers = others(rays, packet, blocks);
+            met.resize(blocks.len(), HitBlock::MISS);
+            stream.intersect(self, blocks, met);
+            for (i, &ray) in numbers.iter().enumerate() {
+                hits[ray as usize] = met[i / SUB].get(i % SUB);
+            }
         });
     }
 
@@ -58,7 +61,7 @@ impl Traversal<'_> {
         start: &(impl Fn(usize) + Sync),
     ) {
         share(rays, blocked, threads, start, |buffers, rays, blocked| {
-            let Buffers { scratch, flight } = buffers;
+            let Buffers { scratch, stream, blocks, stopped, .. } = buffers;
             let mut seed: NodeRef = super::NO_OCCLUDER;
             let packet = |packet: &TilePacket, members: &[u32]| {
                 let mut bits = [0; SUBS];
@@ -67,10 +70,12 @@ impl Traversal<'_> {
                     blocked[ray as usize] = (bits[i / SUB] >> (i % SUB) & 1) as u8;
                 }
             };
-            let (single, numbers) = others(rays, packet);
-            let mut found = vec![false; single.len()];
-            self.occluded_each(&single, flight, &mut found);
-            numbers.iter().zip(found).for_each(|(&ray, hit)| blocked[ray as usize] = hit.into());
+            let numbers = others(rays, packet, blocks);
+            stopped.resize(blocks.len(), 0);
+            stream.occluded(self, blocks, stopped);
+            for (i, &ray) in numbers.iter().enumerate() {
+                blocked[ray as usize] = (stopped[i / SUB] >> (i % SUB) & 1) as u8;
+            }
         });
     }
 }
@@ -79,7 +84,11 @@ impl Traversal<'_> {
 #[derive(Default)]
 struct Buffers {
     scratch: TileScratch,
-    flight: Flight,
+    stream: RayStream,
+    /// Rays for the stream, and what becomes of them.
+    blocks: Vec<RayBlock>,
+    met: Vec<HitBlock>,
+    stopped: Vec<u16>,
 }
 
 /// Hands out chunks of rays, each with its results, to threads.
@@ -107,10 +116,11 @@ fn share<T: Send>(
     });
 }
 
-/// The rays that [`packets`] returns, and their numbers.
-fn others(rays: &[Ray], trace: impl FnMut(&TilePacket, &[u32])) -> (Vec<Ray>, Vec<u32>) {
+/// The numbers of the rays that [`packets`] returns; they themselves go into `blocks`.
+fn others(rays: &[Ray], trace: impl FnMut(&TilePacket, &[u32]), blocks: &mut Vec<RayBlock>) -> Vec<u32> {
     let numbers = packets(rays, trace);
-    (numbers.iter().map(|&ray| rays[ray as usize]).collect(), numbers)
+    RayBlock::pack(numbers.iter().map(|&ray| &rays[ray as usize]), blocks);
+    numbers
 }
 
 /// Hands those rays that may be traced together to `trace`, as packets with the number of each ray, and returns the

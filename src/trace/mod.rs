@@ -10,8 +10,8 @@ pub use stream::RayStream;
 use crate::{
     bvh::Bvh,
     kernels::{
-        BvhView, Flight, Hit, Kernel, Kernels, NodeRef, Pick, Ray, RayBlock, SUB, SUBS, Simd, TILE_RAYS,
-        TileHits, TilePacket, TileScratch,
+        BvhView, Flight, Hit, HitBlock, Kernel, Kernels, NodeRef, Pick, Ray, RayBlock, SUB, SUBS, Simd,
+        TILE_RAYS, TileHits, TilePacket, TileScratch,
     },
 };
 use std::{fmt, str::FromStr};
@@ -119,28 +119,41 @@ impl<'a> Traversal<'a> {
         self.kernels.intersect(&self.view, ray)
     }
 
-    /// First hits of any rays, which need have nothing in common: quicker than one by one.
-    pub fn intersect_each(&self, rays: &[Ray], flight: &mut Flight, hits: &mut [Hit]) {
-        self.kernels.intersect_each(&self.view, rays, flight, hits);
+    /// First hits of any rays, which need have nothing in common: quicker than one by one. As
+    /// [`Kernels::intersect_each`].
+    pub fn intersect_each(
+        &self,
+        blocks: &[RayBlock],
+        picks: &[Pick],
+        flight: &mut Flight,
+        hits: &mut [HitBlock],
+    ) {
+        self.kernels.intersect_each(&self.view, blocks, picks, flight, hits);
     }
 
-    /// Which of any rays, which need have nothing in common, are blocked.
-    pub fn occluded_each(&self, rays: &[Ray], flight: &mut Flight, blocked: &mut [bool]) {
-        self.kernels.occluded_each(&self.view, rays, flight, blocked);
+    /// Which of any rays, which need have nothing in common, are blocked. As [`Kernels::occluded_each`].
+    pub fn occluded_each(
+        &self,
+        blocks: &[RayBlock],
+        picks: &[Pick],
+        flight: &mut Flight,
+        blocked: &mut [u16],
+    ) {
+        self.kernels.occluded_each(&self.view, blocks, picks, flight, blocked);
     }
 
-    /// First hits of the active rays of up to 16 blocks that should fly about the same way; `picks` names the blocks.
-    pub fn intersect_beam(&self, blocks: &[RayBlock], picks: &[Pick], hits: &mut [[Hit; SUB]; SUBS]) {
+    /// First hits of rays of up to 16 blocks that should fly about the same way. As [`Kernels::beam_intersect`].
+    pub fn intersect_beam(&self, blocks: &[RayBlock], picks: &[Pick], hits: &mut [HitBlock]) {
         self.kernels.beam_intersect(&self.view, blocks, picks, hits);
     }
 
-    /// Which active rays of up to 16 blocks are blocked: bit = ray. `seed` as in [`Kernels::tile_occluded`].
+    /// Which rays of up to 16 blocks that should fly about the same way are blocked. As [`Kernels::beam_occluded`].
     pub fn occluded_beam(
         &self,
         blocks: &[RayBlock],
         picks: &[Pick],
         seed: &mut NodeRef,
-        blocked: &mut [u16; SUBS],
+        blocked: &mut [u16],
     ) {
         self.kernels.beam_occluded(&self.view, blocks, picks, seed, blocked);
     }

@@ -21,7 +21,7 @@ use super::{
 };
 use crate::{
     node::{BvhView, EMPTY_NODE, Node, NodeRef, STACK},
-    packet::{Hit, Ray},
+    packet::{Hit, HitBlock, Pick, Ray, RayBlock, SUB},
     simd::Simd,
     vector::I32,
 };
@@ -36,22 +36,59 @@ const LINES: usize = 5;
 /// Covers the rounding of differences, reciprocals, products and of this factor itself, generously.
 const WIDEN: f32 = 1.0 + 8.0 * f32::EPSILON;
 
-/// First hits of all rays.
+/// First hits of the active rays of the blocks that `picks` names, by block; the others keep what was there.
 #[inline(always)]
-pub(crate) fn intersect<S: Simd>(s: S, bvh: &BvhView, rays: &[Ray], flight: &mut Flight, hits: &mut [Hit]) {
-    fly::<S, false>(s, bvh, rays, flight, &mut Hits(hits));
+pub(crate) fn intersect<S: Simd>(
+    s: S,
+    bvh: &BvhView,
+    blocks: &[RayBlock],
+    picks: &[Pick],
+    flight: &mut Flight,
+    hits: &mut [HitBlock],
+) {
+    fly::<S, false>(s, bvh, Queue::new(blocks, picks), flight, &mut Hits(hits));
 }
 
-/// Which rays hit anything.
+/// Which active rays of the blocks that `picks` names hit anything: bits like [`RayBlock::active`], by block.
 #[inline(always)]
 pub(crate) fn occluded<S: Simd>(
     s: S,
     bvh: &BvhView,
-    rays: &[Ray],
+    blocks: &[RayBlock],
+    picks: &[Pick],
     flight: &mut Flight,
-    blocked: &mut [bool],
+    blocked: &mut [u16],
 ) {
-    fly::<S, true>(s, bvh, rays, flight, &mut Blocked(blocked));
+    fly::<S, true>(s, bvh, Queue::new(blocks, picks), flight, &mut Blocked(blocked));
+}
+
+/// The rays that wait to be put on their way.
+struct Queue<'a> {
+    blocks: &'a [RayBlock],
+    picks: std::slice::Iter<'a, Pick>,
+    block: usize,
+    /// Of that block: bit = ray.
+    left: u32,
+}
+
+impl<'a> Queue<'a> {
+    #[inline(always)]
+    fn new(blocks: &'a [RayBlock], picks: &'a [Pick]) -> Queue<'a> {
+        Queue { blocks, picks: picks.iter(), block: 0, left: 0 }
+    }
+
+    /// The next ray and its number: block * 16 + lane.
+    #[inline(always)]
+    fn next(&mut self) -> Option<(usize, Ray)> {
+        while self.left == 0 {
+            let pick = self.picks.next()?;
+            self.block = pick.block as usize;
+            self.left = u32::from(pick.active & self.blocks[self.block].active);
+        }
+        let lane = self.left.trailing_zeros() as usize % SUB;
+        self.left &= self.left - 1;
+        Some((self.block * SUB + lane, self.blocks[self.block].ray(lane)))
+    }
 }
 
 /// Where results go.
@@ -61,30 +98,38 @@ trait Landing {
 }
 
 /// First hits.
-struct Hits<'a>(&'a mut [Hit]);
+struct Hits<'a>(&'a mut [HitBlock]);
 
 impl Landing for Hits<'_> {
     #[inline(always)]
     fn land(&mut self, bvh: &BvhView, number: usize, ray: &TravRay, best: &Best) {
-        self.0[number] = best.hit(bvh, ray);
+        self.0[number / SUB].set(number % SUB, best.hit(bvh, ray));
     }
     #[inline(always)]
     fn land_invalid(&mut self, number: usize) {
-        self.0[number] = Hit::MISS;
+        self.0[number / SUB].set(number % SUB, Hit::MISS);
     }
 }
 
 /// Whether there is a hit.
-struct Blocked<'a>(&'a mut [bool]);
+struct Blocked<'a>(&'a mut [u16]);
+
+impl Blocked<'_> {
+    #[inline(always)]
+    fn set(&mut self, number: usize, hit: bool) {
+        let bits = &mut self.0[number / SUB];
+        *bits = *bits & !(1 << (number % SUB)) | u16::from(hit) << (number % SUB);
+    }
+}
 
 impl Landing for Blocked<'_> {
     #[inline(always)]
     fn land(&mut self, _: &BvhView, number: usize, _: &TravRay, best: &Best) {
-        self.0[number] = best.slot != NO_SLOT;
+        self.set(number, best.slot != NO_SLOT);
     }
     #[inline(always)]
     fn land_invalid(&mut self, number: usize) {
-        self.0[number] = false;
+        self.set(number, false);
     }
 }
 
@@ -98,7 +143,7 @@ struct Flyer {
     reach: f32,
     octant: usize,
     best: Best,
-    /// Which of the caller's rays it is.
+    /// Which ray of the [`Queue`] it is.
     number: usize,
     /// Entries on the stack.
     len: usize,
@@ -152,15 +197,14 @@ fn take_first(bits: &mut u32) -> usize {
 fn fly<S: Simd, const ANY: bool>(
     s: S,
     bvh: &BvhView,
-    rays: &[Ray],
+    mut queue: Queue,
     flight: &mut Flight,
     landing: &mut impl Landing,
 ) {
     let flyers: &mut [Flyer; FLIGHT] = flight.flyers.as_mut_slice().try_into().expect("a flight is full");
-    let mut fresh = 0;
     let mut waiting = Waiting::default();
     for (flyer, at) in flyers.iter_mut().enumerate() {
-        if let Some(next) = at.start_next(bvh, rays, &mut fresh, landing) {
+        if let Some(next) = at.start_next(bvh, &mut queue, landing) {
             waiting.push(flyer, next);
         }
     }
@@ -183,7 +227,7 @@ fn fly<S: Simd, const ANY: bool>(
             let flyer = take_first(&mut done);
             let at = &mut flyers[flyer];
             landing.land(bvh, at.number, &at.ray, &at.best);
-            if let Some(next) = at.start_next(bvh, rays, &mut fresh, landing) {
+            if let Some(next) = at.start_next(bvh, &mut queue, landing) {
                 waiting.push(flyer, next);
             }
         }
@@ -208,19 +252,16 @@ impl Flyer {
     fn start_next(
         &mut self,
         bvh: &BvhView,
-        rays: &[Ray],
-        fresh: &mut usize,
+        queue: &mut Queue,
         landing: &mut impl Landing,
     ) -> Option<NodeRef> {
-        while *fresh < rays.len() {
-            let number = *fresh;
-            *fresh += 1;
-            match TravRay::new(&rays[number]) {
+        loop {
+            let (number, ray) = queue.next()?;
+            match TravRay::new(&ray) {
                 None => landing.land_invalid(number),
                 Some(ray) => return Some(self.start(bvh, ray, number)),
             }
         }
-        None
     }
 
     /// Puts a ray on its way.

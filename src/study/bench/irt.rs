@@ -3,13 +3,16 @@
 use super::{Engine, RaySet, timer::Mode};
 use crate::{
     bvh::Bvh,
-    kernels::{Flight, Hit, Kernels, MISS, NodeRef, SUB, SUBS, TILE_RAYS, TileHits, TilePacket, TileScratch},
+    kernels::{
+        Flight, HitBlock, Kernels, MISS, NodeRef, Pick, RayBlock, SUB, SUBS, TILE_RAYS, TileHits, TilePacket,
+        TileScratch,
+    },
     study::bench::rays::{Kind, Stream},
     trace::{KernelChoice, NO_OCCLUDER, PointShadows, RayStream, Traversal},
 };
 
-/// Rays in a unit of single rays.
-const UNIT: usize = 4096;
+/// Blocks in a unit of general rays.
+const UNIT: usize = 256;
 /// Packets in a unit of packets.
 const PACKETS: usize = 16;
 
@@ -132,7 +135,7 @@ impl Mode for Streams<'_> {
     }
 }
 
-/// Rays sorted by direction.
+/// Rays in groups that fly together.
 struct Sorted<'a>(Common<'a>);
 
 impl Mode for Sorted<'_> {
@@ -149,28 +152,19 @@ impl Mode for Sorted<'_> {
     }
 
     fn width(&self) -> usize {
-        1
+        SUB
     }
 
     fn units(&self) -> usize {
-        self.0.set.len().div_ceil(UNIT)
+        self.0.set.blocks().len().div_ceil(UNIT)
     }
 
     fn worker(&self) -> Box<dyn FnMut(usize) -> u64 + '_> {
-        let occlusion = self.0.set.kind().occlusion();
         let mut stream = RayStream::default();
-        let mut hits = vec![Hit::MISS; UNIT];
-        let mut blocked = vec![false; UNIT];
-        Box::new(move |unit| {
-            let rays = self.0.set.rays().chunks(UNIT).nth(unit).unwrap_or_default();
-            if occlusion {
-                let blocked = &mut blocked[..rays.len()];
-                stream.occluded(&self.0.traversal, rays, blocked);
-                return blocked.iter().filter(|&&blocked| blocked).count() as u64;
-            }
-            let hits = &mut hits[..rays.len()];
-            stream.intersect(&self.0.traversal, rays, hits);
-            hits.iter().filter(|hit| hit.prim != MISS).count() as u64
+        let Common { traversal, set } = self.0;
+        general(set, move |blocks, results| match results {
+            Results::Hits(hits) => stream.intersect(&traversal, blocks, hits),
+            Results::Blocked(blocked) => stream.occluded(&traversal, blocks, blocked),
         })
     }
 }
@@ -196,24 +190,52 @@ impl Mode for Flights<'_> {
     }
 
     fn units(&self) -> usize {
-        self.0.set.len().div_ceil(UNIT)
+        self.0.set.blocks().len().div_ceil(UNIT)
     }
 
     fn worker(&self) -> Box<dyn FnMut(usize) -> u64 + '_> {
-        let occlusion = self.0.set.kind().occlusion();
         let mut flight = Flight::default();
-        let mut hits = vec![Hit::MISS; UNIT];
-        let mut blocked = vec![false; UNIT];
-        Box::new(move |unit| {
-            let rays = self.0.set.rays().chunks(UNIT).nth(unit).unwrap_or_default();
-            if occlusion {
-                let blocked = &mut blocked[..rays.len()];
-                self.0.traversal.occluded_each(rays, &mut flight, blocked);
-                return blocked.iter().filter(|&&blocked| blocked).count() as u64;
+        let Common { traversal, set } = self.0;
+        let all: Vec<Pick> = (0..UNIT as u32).map(|block| Pick { block, active: u16::MAX }).collect();
+        general(set, move |blocks, results| {
+            let picks = &all[..blocks.len()];
+            match results {
+                Results::Hits(hits) => traversal.intersect_each(blocks, picks, &mut flight, hits),
+                Results::Blocked(blocked) => traversal.occluded_each(blocks, picks, &mut flight, blocked),
             }
-            let hits = &mut hits[..rays.len()];
-            self.0.traversal.intersect_each(rays, &mut flight, hits);
-            hits.iter().filter(|hit| hit.prim != MISS).count() as u64
         })
     }
+}
+
+/// Where the results of general rays go.
+enum Results<'a> {
+    Hits(&'a mut [HitBlock]),
+    Blocked(&'a mut [u16]),
+}
+
+/// Traces a unit of general rays with `trace` and counts those that hit.
+fn general<'a>(
+    set: &'a RaySet,
+    mut trace: impl FnMut(&[RayBlock], Results) + 'a,
+) -> Box<dyn FnMut(usize) -> u64 + 'a> {
+    let occlusion = set.kind().occlusion();
+    let mut hits = vec![HitBlock::MISS; UNIT];
+    let mut blocked = vec![0; UNIT];
+    Box::new(move |unit| {
+        let blocks = set.blocks().chunks(UNIT).nth(unit).unwrap_or_default();
+        if occlusion {
+            let blocked = &mut blocked[..blocks.len()];
+            blocked.fill(0);
+            trace(blocks, Results::Blocked(blocked));
+            return blocked.iter().map(|bits| u64::from(bits.count_ones())).sum();
+        }
+        let hits = &mut hits[..blocks.len()];
+        trace(blocks, Results::Hits(hits));
+        let count = |(block, hits): (&RayBlock, &HitBlock)| {
+            let hit = |lane: usize| u32::from(hits.prim[lane] != MISS) << lane;
+            let bits: u32 = (0..SUB).map(hit).sum();
+            u64::from((bits & u32::from(block.active)).count_ones())
+        };
+        blocks.iter().zip(&*hits).map(count).sum()
+    })
 }

@@ -6,7 +6,7 @@
 use crate::{
     bvh::Bvh,
     camera::Camera,
-    kernels::{Face, Kernels, MISS, Ray, SUB, TILE_RAYS, TileHits, TilePacket, TileScratch},
+    kernels::{Face, Kernels, MISS, Ray, RayBlock, SUB, TILE_RAYS, TileHits, TilePacket, TileScratch},
     math::hash_unit,
     scene::{Light, Scene},
     tile::{Order, tiles},
@@ -144,6 +144,8 @@ pub struct RaySet {
     kind: Kind,
     /// All rays, one by one.
     rays: Vec<Ray>,
+    /// All rays, 16 at a time.
+    blocks: Vec<RayBlock>,
     /// Primary rays as packets.
     packets: Vec<TilePacket>,
     /// Shadow rays as streams.
@@ -165,7 +167,8 @@ pub(super) struct Stream {
 impl RaySet {
     /// The rays of `kind` for what the camera sees.
     pub fn new(kind: Kind, scene: &Scene, seen: &Seen) -> RaySet {
-        let mut set = RaySet { kind, rays: Vec::new(), packets: Vec::new(), streams: Vec::new() };
+        let mut set =
+            RaySet { kind, rays: Vec::new(), blocks: Vec::new(), packets: Vec::new(), streams: Vec::new() };
         match kind {
             Kind::Primary => {
                 set.packets = seen.packets.clone();
@@ -185,6 +188,7 @@ impl RaySet {
                 );
             }
         }
+        RayBlock::pack(set.rays.iter(), &mut set.blocks);
         set
     }
 
@@ -206,6 +210,11 @@ impl RaySet {
     /// The rays one by one.
     pub fn rays(&self) -> &[Ray] {
         &self.rays
+    }
+
+    /// The rays 16 at a time, in the same order.
+    pub fn blocks(&self) -> &[RayBlock] {
+        &self.blocks
     }
 
     pub(super) fn packets(&self) -> &[TilePacket] {

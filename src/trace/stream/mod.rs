@@ -1,13 +1,13 @@
 //! Streams of rays that share neither origin nor direction, cut into beams of rays that fly about the same way.
 //!
 //! Of sixteen consecutive rays, a block of 4x4 pixels perhaps, most leave one surface and fly about the same way. Such
-//! rays form a *group*; those that find too little company in their block are traced one by one. Groups are sorted by
+//! rays form a *group*; those that find too little company in their block fly alone. Groups are sorted by
 //! direction, and up to sixteen of one face make a beam.
 //!
 //! ```text
-//!   rays (4096 at a time) --(wide)--> blocks of 16
+//!   blocks of 16 rays (256 at a time)
 //!     some of a block fly about the same way --> groups --sort by direction--> beams of 16 groups
-//!     few of a kind --> one by one
+//!     few of a kind --> a flight of single rays
 //! ```
 //!
 //! How rays are grouped never changes what a ray hits.
@@ -15,12 +15,12 @@
 mod survey;
 
 use super::{NO_OCCLUDER, Traversal};
-use crate::kernels::{Flight, Hit, NodeRef, Pick, Ray, RayBlock, SUB, SUBS};
+use crate::kernels::{Flight, HitBlock, NodeRef, Pick, RayBlock, SUBS};
 use std::ops::Range;
-use survey::{Cut, Survey};
+use survey::{Measure, Survey};
 
-/// Rays that are regrouped at a time.
-const CHUNK: usize = 4096;
+/// Blocks that are regrouped at a time.
+const CHUNK: usize = 256;
 /// Fewer rays than this are no group: a beam tests sixteen rays at a time, whoever takes part.
 const ENOUGH: u32 = 4;
 /// Origins of a group are no farther from that of one of its rays than this many times the median size of a block.
@@ -52,71 +52,49 @@ impl Group {
 /// Buffers for regrouping streams, reused from stream to stream.
 #[derive(Clone, Debug, Default)]
 pub struct RayStream {
-    blocks: Vec<RayBlock>,
     /// How far apart the origins in each block are.
     sizes: Vec<f32>,
     groups: Vec<Group>,
+    /// The groups in the order in which they are cut into beams.
     picks: Vec<Pick>,
-    /// Rays to be traced one by one: which, the rays, and what becomes of them.
-    single: Vec<u32>,
-    alone: Vec<Ray>,
-    met: Vec<Hit>,
-    stopped: Vec<bool>,
+    /// Rays that fly alone.
+    single: Vec<Pick>,
     flight: Flight,
 }
 
 impl RayStream {
-    /// First hits of all rays.
+    /// First hits of all active rays, by block; hits of other rays are left as they are.
     ///
     /// # Panics
-    /// If there are not as many hits as rays.
-    pub fn intersect(&mut self, traversal: &Traversal, rays: &[Ray], hits: &mut [Hit]) {
-        assert_eq!(rays.len(), hits.len(), "one hit for each ray");
-        let mut found = [[Hit::MISS; SUB]; SUBS];
-        for (rays, hits) in rays.chunks(CHUNK).zip(hits.chunks_mut(CHUNK)) {
-            self.regroup(traversal, rays);
-            self.alone.clear();
-            self.alone.extend(self.single.iter().map(|&ray| rays[ray as usize]));
-            self.met.resize(self.alone.len(), Hit::MISS);
-            traversal.intersect_each(&self.alone, &mut self.flight, &mut self.met);
-            for (&ray, hit) in self.single.iter().zip(&self.met) {
-                hits[ray as usize] = *hit;
-            }
+    /// If there are not hits for each block.
+    pub fn intersect(&mut self, traversal: &Traversal, blocks: &[RayBlock], hits: &mut [HitBlock]) {
+        assert_eq!(blocks.len(), hits.len(), "hits for each block");
+        for (blocks, hits) in blocks.chunks(CHUNK).zip(hits.chunks_mut(CHUNK)) {
+            self.regroup(traversal, blocks);
+            traversal.intersect_each(blocks, &self.single, &mut self.flight, hits);
             let mut first = 0;
             while let Some(beam) = self.beam(first) {
                 first = beam.end;
-                traversal.intersect_beam(&self.blocks, &self.picks[beam.clone()], &mut found);
-                for (pick, found) in self.picks[beam].iter().zip(&found) {
-                    each(pick, |lane, ray| hits[ray] = found[lane]);
-                }
+                traversal.intersect_beam(blocks, &self.picks[beam], hits);
             }
         }
     }
 
-    /// Whether anything blocks each ray.
+    /// Whether anything blocks each active ray, by block: bits like [`RayBlock::active`]. Other bits are left as they
+    /// are.
     ///
     /// # Panics
-    /// If there are not as many answers as rays.
-    pub fn occluded(&mut self, traversal: &Traversal, rays: &[Ray], blocked: &mut [bool]) {
-        assert_eq!(rays.len(), blocked.len(), "one answer for each ray");
+    /// If there are not answers for each block.
+    pub fn occluded(&mut self, traversal: &Traversal, blocks: &[RayBlock], blocked: &mut [u16]) {
+        assert_eq!(blocks.len(), blocked.len(), "answers for each block");
         let mut seed: NodeRef = NO_OCCLUDER;
-        let mut found = [0; SUBS];
-        for (rays, blocked) in rays.chunks(CHUNK).zip(blocked.chunks_mut(CHUNK)) {
-            self.regroup(traversal, rays);
-            self.alone.clear();
-            self.alone.extend(self.single.iter().map(|&ray| rays[ray as usize]));
-            self.stopped.resize(self.alone.len(), false);
-            traversal.occluded_each(&self.alone, &mut self.flight, &mut self.stopped);
-            for (&ray, stopped) in self.single.iter().zip(&self.stopped) {
-                blocked[ray as usize] = *stopped;
-            }
+        for (blocks, blocked) in blocks.chunks(CHUNK).zip(blocked.chunks_mut(CHUNK)) {
+            self.regroup(traversal, blocks);
+            traversal.occluded_each(blocks, &self.single, &mut self.flight, blocked);
             let mut first = 0;
             while let Some(beam) = self.beam(first) {
                 first = beam.end;
-                traversal.occluded_beam(&self.blocks, &self.picks[beam.clone()], &mut seed, &mut found);
-                for (pick, &found) in self.picks[beam].iter().zip(&found) {
-                    each(pick, |lane, ray| blocked[ray] = found >> lane & 1 != 0);
-                }
+                traversal.occluded_beam(blocks, &self.picks[beam], &mut seed, blocked);
             }
         }
     }
@@ -137,29 +115,18 @@ impl RayStream {
         *self.sizes.select_nth_unstable_by(middle, f32::total_cmp).1
     }
 
-    /// Fills `blocks`, `single`, and `picks`, which it returns, in the order in which they are cut into beams. Every ray
-    /// gets into one. There are at most 2^20 rays.
-    pub(crate) fn regroup(&mut self, traversal: &Traversal, rays: &[Ray]) -> &[Pick] {
+    /// Finds `single` and `picks`, which it returns, in the order in which they are cut into beams. Every active ray gets
+    /// into one. There are at most 2^16 blocks.
+    pub(crate) fn regroup(&mut self, traversal: &Traversal, blocks: &[RayBlock]) -> &[Pick] {
         self.groups.clear();
         self.single.clear();
         self.sizes.clear();
-        traversal.kernels().run(Cut { rays, stream: self });
+        traversal.kernels().run(Measure { blocks, sizes: &mut self.sizes });
         let limit = SPREAD * self.median();
-        traversal.kernels().run(Survey { limit, stream: self });
+        traversal.kernels().run(Survey { limit, blocks, stream: self });
         self.groups.sort_unstable();
         self.picks.clear();
         self.picks.extend(self.groups.iter().map(|group| group.pick()));
         &self.picks
-    }
-}
-
-/// Calls `f` with lane and ray index of every ray of a pick.
-#[inline(always)]
-fn each(pick: &Pick, mut f: impl FnMut(usize, usize)) {
-    let mut left = pick.active;
-    while left != 0 {
-        let lane = left.trailing_zeros() as usize;
-        left &= left - 1;
-        f(lane, pick.block as usize * SUB + lane);
     }
 }

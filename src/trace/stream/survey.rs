@@ -1,45 +1,36 @@
 //! The blocks of 16 rays that a stream comes in: which of their rays fly together.
 
 use super::{ENOUGH, Group, RayStream};
-use crate::kernels::{F32, I32, Kernel, Lanes, Mask, Ray, RayBlock, SUB, Simd};
+use crate::kernels::{F32, I32, Kernel, Lanes, Mask, Pick, RayBlock, SUB, Simd};
 
 /// Rays fly about the same way if their slopes differ by no more than this from those of one of them.
 const NEAR: f32 = 0.1;
 /// Bits of a cell of directions in a key; the face stands above them.
 pub(super) const CELL_BITS: u32 = 6;
 
-/// Rays are asked for so far ahead of being cut.
-const AHEAD: usize = 8 * SUB;
+/// One in so many blocks is measured.
+const SAMPLE: usize = 4;
 
-/// Cuts rays into blocks, and finds out how far apart the origins in each are.
-pub(super) struct Cut<'a> {
-    pub(super) rays: &'a [Ray],
-    pub(super) stream: &'a mut RayStream,
+/// Finds out how far apart the origins of the active rays of some blocks are.
+pub(super) struct Measure<'a> {
+    pub(super) blocks: &'a [RayBlock],
+    pub(super) sizes: &'a mut Vec<f32>,
 }
 
 /// Finds the groups in each block, with origins no farther apart than `limit` from that of one of the rays.
 pub(super) struct Survey<'a> {
     pub(super) limit: f32,
+    pub(super) blocks: &'a [RayBlock],
     pub(super) stream: &'a mut RayStream,
 }
 
-impl Kernel for Cut<'_> {
+impl Kernel for Measure<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
         let infinity = F32::<S, SUB>::splat(s, f32::INFINITY);
-        let RayStream { blocks, sizes, .. } = self.stream;
-        blocks.resize(self.rays.len().div_ceil(SUB), RayBlock::EMPTY);
-        for index in 0..blocks.len() {
-            let (block, first) = (&mut blocks[index], index * SUB);
-            block.active = 0;
-            if let Some(ahead) = self.rays.get(first + AHEAD..first + AHEAD + SUB) {
-                s.prefetch(ahead.as_ptr().cast::<[Ray; SUB]>());
-            }
-            for lane in 0..SUB.min(self.rays.len() - first) {
-                block.set(lane, &self.rays[first + lane]);
-            }
+        for block in self.blocks.iter().step_by(SAMPLE) {
             let active = Mask::from_bits(s, u32::from(block.active));
             let mut size = 0.0f32;
             for org in &block.org {
@@ -47,7 +38,7 @@ impl Kernel for Cut<'_> {
                 let least = active.select(org, infinity).reduce_min();
                 size = size.max(active.select(org, -infinity).reduce_max() - least);
             }
-            sizes.push(size);
+            self.sizes.push(size);
         }
     }
 }
@@ -67,21 +58,22 @@ impl Kernel for Survey<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
         let stream = self.stream;
-        for (index, block) in stream.blocks.iter().enumerate() {
+        for (index, block) in self.blocks.iter().enumerate() {
             let ways = Ways::new(s, block);
+            let mut alone = 0;
             let mut left = u32::from(block.active);
             while left != 0 {
                 let lane = (left.trailing_zeros() & 15) as usize;
-                let mut together = ways.near(s, block, self.limit, lane) & left;
+                let together = ways.near(s, block, self.limit, lane) & left;
                 left &= !together;
                 if together.count_ones() >= ENOUGH {
                     stream.groups.push(Group::new(ways.keys[lane], index, together as u16));
-                    continue;
+                } else {
+                    alone |= together as u16;
                 }
-                while together != 0 {
-                    stream.single.push((index * SUB) as u32 + together.trailing_zeros());
-                    together &= together - 1;
-                }
+            }
+            if alone != 0 {
+                stream.single.push(Pick { block: index as u32, active: alone });
             }
         }
     }

@@ -8,13 +8,14 @@ use super::{State, triangles::own};
 use crate::{
     exact::{Canonical, wide},
     generic::{
+        F16,
         doubt::{NO_SLOT, block_of},
         leaf::triangle,
     },
     node::BvhView,
-    packet::{Hit, RayBlock, SUB},
+    packet::{Hit, HitBlock, RayBlock, SUB},
     simd::Simd,
-    vector::I32,
+    vector::{I32, Mask},
 };
 
 /// So few rays of a triangle are evaluated one by one.
@@ -29,7 +30,7 @@ pub(super) fn hits<S: Simd>(
     active: u16,
     state: &State,
     sub: usize,
-    hits: &mut [Hit; SUB],
+    hits: &mut HitBlock,
 ) {
     let slots = &state.slot[sub];
     let all = I32::<S, 16>::load(s, slots);
@@ -39,10 +40,7 @@ pub(super) fn hits<S: Simd>(
         let mut group = all.eq(I32::splat(s, slot)).bits() & left;
         left &= !group;
         if slot == NO_SLOT {
-            while group != 0 {
-                hits[(group.trailing_zeros() & 15) as usize] = Hit::MISS;
-                group &= group - 1;
-            }
+            write(s, hits, group, &HitBlock::MISS);
             continue;
         }
         let (block, at) = block_of(bvh, slot);
@@ -54,17 +52,23 @@ pub(super) fn hits<S: Simd>(
                 let (frame, d) = own(&state.frame, rays, lane);
                 let [a, b, c] = triangle(block, at, &frame);
                 let [t, u, v] = Canonical::new(a, b, c).hit(wide(d));
-                hits[lane] = Hit { prim, t, u, v };
+                hits.set(lane, Hit { prim, t, u, v });
             }
             continue;
         }
         let [t, u, v] = evaluate(state, rays, &block.v, at);
-        while group != 0 {
-            let lane = (group.trailing_zeros() & 15) as usize;
-            group &= group - 1;
-            hits[lane] = Hit { prim, t: t[lane], u: u[lane], v: v[lane] };
-        }
+        write(s, hits, group, &HitBlock { prim: [prim; SUB], t, u, v });
     }
+}
+
+/// Hits of the rays in `group`; the others stay.
+#[inline(always)]
+fn write<S: Simd>(s: S, hits: &mut HitBlock, group: u32, from: &HitBlock) {
+    let mask = Mask::<S, 16>::from_bits(s, group);
+    mask.iselect(I32::load(s, &from.prim), I32::load(s, &hits.prim)).store(&mut hits.prim);
+    mask.select(F16::load(s, &from.t), F16::load(s, &hits.t)).store(&mut hits.t);
+    mask.select(F16::load(s, &from.u), F16::load(s, &hits.u)).store(&mut hits.u);
+    mask.select(F16::load(s, &from.v), F16::load(s, &hits.v)).store(&mut hits.v);
 }
 
 /// t, u, v of all rays of a sub-packet on triangle `at` of a block.

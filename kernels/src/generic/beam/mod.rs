@@ -20,7 +20,7 @@ mod walk;
 use super::{Frame, single};
 use crate::{
     node::{BvhView, EMPTY_NODE, NodeRef},
-    packet::{Hit, Pick, RayBlock, SUB, SUBS},
+    packet::{HitBlock, Pick, RayBlock, SUB, SUBS},
     simd::Simd,
 };
 use triangles::Coefficients;
@@ -84,30 +84,31 @@ struct Bounds<T> {
     reach: T,
 }
 
-/// First hits of the active rays of the blocks that `picks` names; the others keep what was there.
+/// First hits of the active rays of the blocks that `picks` names, by block; the others keep what was there.
 #[inline(always)]
 pub(crate) fn intersect<S: Simd>(
     s: S,
     bvh: &BvhView,
     blocks: &[RayBlock],
     picks: &[Pick],
-    hits: &mut [[Hit; SUB]; SUBS],
+    hits: &mut [HitBlock],
 ) {
     let mut state = State::new(s, blocks, picks);
     walk::traverse::<S, false>(s, bvh, blocks, picks, &mut state);
     for (sub, &pick) in picks.iter().enumerate().take(SUBS) {
         let block = &blocks[pick.block as usize];
-        finish::hits(s, bvh, block, pick.active, &state, sub, &mut hits[sub]);
+        let hits = &mut hits[pick.block as usize];
+        finish::hits(s, bvh, block, pick.active, &state, sub, hits);
         let mut left = u32::from(state.alone[sub]);
         while left != 0 {
             let lane = (left.trailing_zeros() & 15) as usize;
             left &= left - 1;
-            hits[sub][lane] = single::intersect(s, bvh, &block.ray(lane));
+            hits.set(lane, single::intersect(s, bvh, &block.ray(lane)));
         }
     }
 }
 
-/// Which active rays of the blocks that `picks` names anything blocks: bits like [`RayBlock::active`].
+/// Which active rays of the blocks that `picks` names anything blocks: bits like [`RayBlock::active`], by block.
 ///
 /// `seed` is a subtree to try first, typically the leaf that blocked the previous beam; it is replaced by the leaf
 /// that blocked a ray last. It changes the time, never the answer.
@@ -118,7 +119,7 @@ pub(crate) fn occluded<S: Simd>(
     blocks: &[RayBlock],
     picks: &[Pick],
     seed: &mut NodeRef,
-    blocked: &mut [u16; SUBS],
+    blocked: &mut [u16],
 ) {
     let mut state = State::new(s, blocks, picks);
     let together = state.live;
@@ -137,6 +138,7 @@ pub(crate) fn occluded<S: Simd>(
             left &= left - 1;
             bits |= u16::from(single::occluded(s, bvh, &blocks[pick.block as usize].ray(lane))) << lane;
         }
-        blocked[sub] = bits;
+        let blocked = &mut blocked[pick.block as usize];
+        *blocked = *blocked & !(pick.active & blocks[pick.block as usize].active) | bits;
     }
 }

@@ -5,7 +5,7 @@ use crate::{
     bvh::{BuildPreset, Bvh},
     camera::{Camera, PACKET_SIDE},
     error::Result,
-    kernels::{Kernels, Ray, TILE_RAYS, TileHits, TilePacket, TileScratch, micro::Meeting},
+    kernels::{Kernels, TILE_RAYS, TileHits, TilePacket, TileScratch, micro::Meeting},
     scene::{Light, Scene, TriangleMesh},
     shade::{LightRays, SurfaceTable, Surfaces, light_rays},
     tile::{Order, Tile, tiles},
@@ -31,7 +31,7 @@ pub struct Stage {
     pub(super) light: Option<(Light, [f32; 3])>,
     pub(super) patches: Vec<Patch>,
     /// A diffuse bounce of every primary ray.
-    pub(super) bounces: Vec<Ray>,
+    pub(super) bounces: RaySet,
 }
 
 /// A tile of the image: its packets, what they see, and the light's rays there.
@@ -71,7 +71,7 @@ impl Stage {
         let seen = Seen::new(scene, &bvh, kernels, size);
         let mut stage = Stage {
             name: scene.name.clone(),
-            bounces: RaySet::new(Kind::Diffuse, scene, &seen).rays().to_vec(),
+            bounces: RaySet::new(Kind::Diffuse, scene, &seen),
             bvh,
             nothing: Bvh::build(&TriangleMesh::default(), BuildPreset::Fast)?,
             table: SurfaceTable::new(scene),

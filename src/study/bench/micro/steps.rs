@@ -13,7 +13,7 @@ use crate::{
 use std::hint::black_box;
 
 /// Rays that are sorted together.
-const STREAM: usize = 4096;
+const STREAM: usize = 256;
 
 /// One step, ready to be repeated.
 pub struct Step<'a> {
@@ -209,13 +209,16 @@ fn shadow_streams<'a>(
     })
 }
 
-/// What a stream does with rays before it traces them: cut into blocks, find company, sort.
+/// What a stream does with rays before it traces them: find company, sort.
 fn stream_sort<'a>(stage: &'a Stage, traversal: Traversal<'a>) -> Step<'a> {
     let mut stream = RayStream::default();
     step("stream sort", "ray", stage.bounces.len() as u64, move |sum| {
-        for rays in stage.bounces.chunks(STREAM) {
+        for blocks in stage.bounces.blocks().chunks(STREAM) {
             sum.words(
-                stream.regroup(&traversal, rays).iter().map(|pick| pick.block << 16 | u32::from(pick.active)),
+                stream
+                    .regroup(&traversal, blocks)
+                    .iter()
+                    .map(|pick| pick.block << 16 | u32::from(pick.active)),
             );
         }
     })

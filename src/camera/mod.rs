@@ -83,31 +83,40 @@ impl Camera {
         [width, height]: [u32; 2],
         packets: &mut [TilePacket; 6],
     ) -> usize {
-        let mut directions = [[0.0; TILE_RAYS]; 3];
-        let mut faces = [0; TILE_RAYS];
-        kernels.run(Directions {
-            camera: self,
-            at: [x as f32, y as f32],
-            directions: &mut directions,
-            faces: &mut faces,
-        });
         let within = within(width, height);
+        let at = [x as f32, y as f32];
+        let mut left = within;
         let mut used = 0;
-        for face in Face::ALL {
-            let active = members(&faces, face, &within);
-            if active != [0; SUBS] {
-                let [iu, iv, _] = face.axes();
-                let packet = &mut packets[used];
-                packet.u = directions[iu];
-                packet.v = directions[iv];
+        // The face of the first ray first: mostly it is that of all.
+        let first = self.face(at);
+        let mut others = Face::ALL.into_iter().filter(|&other| other != first);
+        let mut face = first;
+        while left != [0; SUBS] {
+            let packet = &mut packets[used];
+            kernels.run(Directions { camera: self, at, face, packet });
+            let mut any = 0;
+            for ((active, within), left) in packet.active.iter_mut().zip(&within).zip(&mut left) {
+                *active &= within;
+                *left &= !*active;
+                any |= *active;
+            }
+            if any != 0 {
                 packet.bounded = false;
-                packet.active = active;
                 packet.org = self.eye.to_array();
                 packet.face = face;
                 used += 1;
             }
+            match others.next() {
+                Some(other) => face = other,
+                None => break,
+            }
         }
         used
+    }
+
+    /// The face of the ray through one pixel; rounding may make it a neighbouring one.
+    fn face(&self, [x, y]: [f32; 2]) -> Face {
+        Face::of((self.corner + self.step[0] * x + self.step[1] * y).to_array())
     }
 }
 
@@ -126,26 +135,12 @@ fn within(width: u32, height: u32) -> [u16; SUBS] {
     active
 }
 
-/// Rays of one face.
-fn members(faces: &[u32; TILE_RAYS], face: Face, within: &[u16; SUBS]) -> [u16; SUBS] {
-    let index = face.index() as u32;
-    let mut active = [0; SUBS];
-    for (sub, lanes) in faces.as_chunks::<SUB>().0.iter().enumerate() {
-        let mut bits = 0;
-        for (lane, &f) in lanes.iter().enumerate() {
-            bits |= u16::from(f == index) << lane;
-        }
-        active[sub] = bits & within[sub];
-    }
-    active
-}
-
-/// Directions of 256 pixels, divided by their greatest component, and their faces.
+/// Puts the slopes of 256 pixels into a packet, and which of them are of one face into its active rays.
 struct Directions<'a> {
     camera: &'a Camera,
     at: [f32; 2],
-    directions: &'a mut [[f32; TILE_RAYS]; 3],
-    faces: &'a mut [u32; TILE_RAYS],
+    face: Face,
+    packet: &'a mut TilePacket,
 }
 
 impl Kernel for Directions<'_> {
@@ -153,22 +148,23 @@ impl Kernel for Directions<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let camera = self.camera;
-        for first in (0..TILE_RAYS).step_by(16) {
-            let x = F32::<S, 16>::load_at(s, &OFFSETS[0], first) + F32::splat(s, self.at[0]);
-            let y = F32::load_at(s, &OFFSETS[1], first) + F32::splat(s, self.at[1]);
+        let Directions { camera, at, face, packet } = self;
+        let [iu, iv, _] = face.axes();
+        let wanted = I32::splat(s, face.index() as u32);
+        for sub in 0..SUBS {
+            let first = sub * SUB;
+            let x = F32::<S, 16>::load_at(s, &OFFSETS[0], first) + F32::splat(s, at[0]);
+            let y = F32::load_at(s, &OFFSETS[1], first) + F32::splat(s, at[1]);
             let mut dir = [x; 3];
             for k in 0..3 {
                 dir[k] = F32::splat(s, camera.corner[k])
                     + F32::splat(s, camera.step[0][k]) * x
                     + F32::splat(s, camera.step[1][k]) * y;
             }
-            let (slopes, face) = slopes(s, dir);
-            for k in 0..3 {
-                slopes[k].store_at(&mut self.directions[k], first);
-            }
-            let faces: &mut [u32; 16] = (&mut self.faces[first..first + 16]).try_into().expect("16 lanes");
-            face.store(faces);
+            let (slopes, faces) = slopes(s, dir);
+            slopes[iu].store_at(&mut packet.u, first);
+            slopes[iv].store_at(&mut packet.v, first);
+            packet.active[sub] = faces.eq(wanted).bits() as u16;
         }
     }
 }

@@ -114,7 +114,7 @@ impl RenderTask<'_> {
                 clock.shade();
                 self.traversal.intersect(packet, tile_scratch, hits);
                 clock.trace();
-                surfaces.gather(self.table, index, packet, hits);
+                surfaces.gather(self.traversal.kernels(), self.table, index, packet, hits);
             }
         }
         clock.report.rays.primary += tile.len() as u64;
@@ -163,17 +163,26 @@ fn packet_corners(tile: Tile) -> impl Iterator<Item = [u32; 2]> + Clone {
     (0..tile.height).step_by(step).flat_map(move |y| xs().map(move |x| [x, y]))
 }
 
+/// Rays of a packet that follow each other along a row of pixels: see [`pixel_of`].
+const RUN: usize = 4;
+
 /// Brings the colours from packet order into pixel order and writes them to the film.
 fn write(film: &Film, tile: Tile, scratch: &mut Scratch) {
     let Scratch { surfaces, pixels, .. } = scratch;
     for (plane, colors) in pixels.iter_mut().zip(&surfaces.color) {
         plane.resize(tile.len(), 0.0);
-        for (packet, [left, top]) in packet_corners(tile).enumerate() {
-            for ray in 0..TILE_RAYS {
-                let (x, y) = pixel_of(ray);
+        for ([left, top], colors) in packet_corners(tile).zip(colors.chunks_exact(TILE_RAYS)) {
+            // Four rays that follow each other are four pixels side by side.
+            for (run, &colors) in colors.as_chunks::<RUN>().0.iter().enumerate() {
+                let (x, y) = pixel_of(run * RUN);
                 let (x, y) = (left + x, top + y);
-                if x < tile.width && y < tile.height {
-                    plane[(y * tile.width + x) as usize] = colors[packet * TILE_RAYS + ray];
+                if y < tile.height && x < tile.width {
+                    let at = (y * tile.width + x) as usize;
+                    let count = RUN.min((tile.width - x) as usize);
+                    match plane[at..at + count].as_mut_array() {
+                        Some(whole) => *whole = colors,
+                        None => plane[at..at + count].copy_from_slice(&colors[..count]),
+                    }
                 }
             }
         }

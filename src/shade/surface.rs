@@ -1,7 +1,9 @@
 //! The surfaces that a stream of rays hit: where, which way they face, and how they reflect.
 
 use super::table::SurfaceTable;
-use crate::kernels::{F32, Face, Kernel, Kernels, MISS, SUB, Simd, TILE_RAYS, TileHits, TilePacket};
+use crate::kernels::{
+    F32, Face, I32, Kernel, Kernels, MISS, Mask, SUB, SUBS, Simd, TILE_RAYS, TileHits, TilePacket,
+};
 
 /// Three planes of floats: x, y, z or r, g, b.
 pub(super) type Planes = [Vec<f32>; 3];
@@ -58,40 +60,122 @@ impl Surfaces {
 
     /// Takes the hits of the active rays of packet number `packet`. Call it once for each face of the packet, then
     /// [`Surfaces::finish`].
-    pub fn gather(&mut self, table: &SurfaceTable, index: usize, packet: &TilePacket, hits: &TileHits) {
-        let [iu, iv, iz] = packet.face.axes();
-        let depth_sign = if packet.face.negative { -1.0 } else { 1.0 };
-        for ray in 0..TILE_RAYS {
-            let prim = hits.prim[ray];
-            if packet.active[ray / SUB] >> (ray % SUB) & 1 == 0 || prim == MISS {
-                continue;
-            }
-            let i = index * TILE_RAYS + ray;
-            let facet = &table.facets[prim as usize];
-            let material = &table.materials[facet.material as usize];
-            let (b1, b2) = (hits.u[ray], hits.v[ray]);
-            let b0 = 1.0 - b1 - b2;
-            self.prim[i] = prim;
-            self.exponent[i] = material.ns;
-            // The direction for now; `finish` turns it into the direction to the viewer.
-            self.view[iu][i] = packet.u[ray];
-            self.view[iv][i] = packet.v[ray];
-            self.view[iz][i] = depth_sign;
-            for k in 0..3 {
-                self.point[k][i] = packet.org[k] + hits.t[ray] * self.view[k][i];
-                self.ng[k][i] = facet.ng[k];
-                self.ns[k][i] = b0 * facet.corner[0][k] + b1 * facet.corner[1][k] + b2 * facet.corner[2][k];
-                self.kd[k][i] = material.kd[k];
-                self.ks[k][i] = material.ks[k];
-                self.color[k][i] = material.base[k];
-            }
-        }
+    pub fn gather(
+        &mut self,
+        kernels: &Kernels,
+        table: &SurfaceTable,
+        index: usize,
+        packet: &TilePacket,
+        hits: &TileHits,
+    ) {
+        kernels.run(Gather { surfaces: self, table, first: index * TILE_RAYS, packet, hits });
     }
 
     /// Normalises directions and turns normals towards the viewer.
     pub fn finish(&mut self, kernels: &Kernels) {
         kernels.run(Orient { surfaces: self });
     }
+}
+
+struct Gather<'a> {
+    surfaces: &'a mut Surfaces,
+    table: &'a SurfaceTable,
+    /// The packet's first ray in `surfaces`.
+    first: usize,
+    packet: &'a TilePacket,
+    hits: &'a TileHits,
+}
+
+impl Kernel for Gather<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(mut self, s: S) {
+        for sub in 0..SUBS {
+            let prims: &[u32; SUB] = &self.hits.prim.as_chunks().0[sub];
+            let missed = I32::<S, SUB>::load(s, prims).eq(I32::splat(s, MISS)).bits();
+            let hit = !missed & u32::from(self.packet.active[sub]);
+            if hit != 0 {
+                self.place(s, sub, hit);
+                self.facets(s, sub, hit);
+            }
+        }
+    }
+}
+
+impl Gather<'_> {
+    /// Points, and directions for now; `finish` turns them into directions to the viewer.
+    #[inline(always)]
+    fn place<S: Simd>(&mut self, s: S, sub: usize, hit: u32) {
+        let (from, to) = (sub * SUB, self.first + sub * SUB);
+        let Gather { surfaces, packet, hits, .. } = self;
+        let [iu, iv, iz] = packet.face.axes();
+        let mask = Mask::<S, SUB>::from_bits(s, hit);
+        let t = F32::load_at(s, &hits.t, from);
+        let depth = F32::splat(s, if packet.face.negative { -1.0 } else { 1.0 });
+        let dir = [F32::load_at(s, &packet.u, from), F32::load_at(s, &packet.v, from), depth];
+        for (axis, dir) in [iu, iv, iz].into_iter().zip(dir) {
+            put(s, mask, dir, &mut surfaces.view[axis], to);
+            put(s, mask, F32::splat(s, packet.org[axis]) + t * dir, &mut surfaces.point[axis], to);
+        }
+        let prims: &[u32; SUB] = &hits.prim.as_chunks().0[sub];
+        let prim: &mut [u32; SUB] = (&mut surfaces.prim[to..to + SUB]).try_into().expect("16 lanes");
+        mask.iselect(I32::load(s, prims), I32::load(s, prim)).store(prim);
+    }
+
+    /// Normals and materials: what neighbouring rays share is fetched once.
+    #[inline(always)]
+    fn facets<S: Simd>(&mut self, s: S, sub: usize, hit: u32) {
+        let (from, to) = (sub * SUB, self.first + sub * SUB);
+        let Gather { surfaces, table, hits, .. } = self;
+        let zero = F32::<S, SUB>::splat(s, 0.0);
+        let prims: &[u32; SUB] = &hits.prim.as_chunks().0[sub];
+        let prim = I32::<S, SUB>::load(s, prims);
+        let (mut ng, mut corner, mut material) = ([zero; 3], [[zero; 3]; 3], I32::splat(s, 0));
+        let mut left = hit;
+        while left != 0 {
+            let one = prims[(left.trailing_zeros() & 15) as usize];
+            let facet = &table.facets[one as usize];
+            let mask = prim.eq(I32::splat(s, one));
+            left &= !mask.bits();
+            for k in 0..3 {
+                ng[k] = mask.select(F32::splat(s, facet.ng[k]), ng[k]);
+                for i in 0..3 {
+                    corner[i][k] = mask.select(F32::splat(s, facet.corner[i][k]), corner[i][k]);
+                }
+            }
+            material = mask.iselect(I32::splat(s, facet.material), material);
+        }
+        let mask = Mask::from_bits(s, hit);
+        let (b1, b2) = (F32::load_at(s, &hits.u, from), F32::load_at(s, &hits.v, from));
+        let b0 = F32::splat(s, 1.0) - b1 - b2;
+        for k in 0..3 {
+            put(s, mask, ng[k], &mut surfaces.ng[k], to);
+            let ns = b0 * corner[0][k] + b1 * corner[1][k] + b2 * corner[2][k];
+            put(s, mask, ns, &mut surfaces.ns[k], to);
+        }
+        let mut numbers = [0; SUB];
+        material.store(&mut numbers);
+        let mut left = hit;
+        while left != 0 {
+            let one = numbers[(left.trailing_zeros() & 15) as usize];
+            let of_it = material.eq(I32::splat(s, one)).bits() & hit;
+            left &= !of_it;
+            let (mask, material) = (Mask::from_bits(s, of_it), &table.materials[one as usize]);
+            put(s, mask, F32::splat(s, material.ns), &mut surfaces.exponent, to);
+            for k in 0..3 {
+                put(s, mask, F32::splat(s, material.kd[k]), &mut surfaces.kd[k], to);
+                put(s, mask, F32::splat(s, material.ks[k]), &mut surfaces.ks[k], to);
+                put(s, mask, F32::splat(s, material.base[k]), &mut surfaces.color[k], to);
+            }
+        }
+    }
+}
+
+/// Values of the lanes in `mask`; the others stay.
+#[inline(always)]
+fn put<S: Simd>(s: S, mask: Mask<S, SUB>, value: F32<S, SUB>, plane: &mut [f32], at: usize) {
+    mask.select(value, F32::load_at(s, plane, at)).store_at(plane, at);
 }
 
 /// The face of no ray.

@@ -122,7 +122,7 @@ impl Stage {
             let used = self.camera.rays(kernels, at, inside, &mut six);
             for packet in &six[..used] {
                 traversal.intersect(packet, &mut scratch, &mut hits);
-                surfaces.gather(&self.table, index, packet, &hits);
+                surfaces.gather(kernels, &self.table, index, packet, &hits);
                 packets.push(packet.clone());
             }
         }

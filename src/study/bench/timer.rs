@@ -3,10 +3,7 @@
 use super::Engine;
 use crate::schedule::{Machine, Placement, pin_current_thread};
 use std::{
-    sync::{
-        Barrier,
-        atomic::{AtomicUsize, Ordering},
-    },
+    sync::atomic::{AtomicUsize, Ordering},
     time::Instant,
 };
 
@@ -34,7 +31,7 @@ pub(super) fn time(mode: &mut dyn Mode, threads: usize, pin: bool) -> (f64, u64)
     mode.reset();
     let mode = &*mode;
     let next = AtomicUsize::new(0);
-    let ready = Barrier::new(threads + 1);
+    let ready = AtomicUsize::new(0);
     std::thread::scope(|scope| {
         let handles: Vec<_> = placement
             .slots()
@@ -44,7 +41,7 @@ pub(super) fn time(mode: &mut dyn Mode, threads: usize, pin: bool) -> (f64, u64)
                 scope.spawn(move || {
                     pin_current_thread(cpu);
                     let mut run = mode.worker();
-                    ready.wait();
+                    meet(ready, threads);
                     let start = Instant::now();
                     let mut hits = 0;
                     loop {
@@ -57,7 +54,6 @@ pub(super) fn time(mode: &mut dyn Mode, threads: usize, pin: bool) -> (f64, u64)
                 })
             })
             .collect();
-        ready.wait();
         let done: Vec<_> = handles
             .into_iter()
             .map(|handle| handle.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
@@ -67,4 +63,16 @@ pub(super) fn time(mode: &mut dyn Mode, threads: usize, pin: bool) -> (f64, u64)
         let seconds = start.zip(end).map_or(0.0, |(start, end)| (end - start).as_secs_f64());
         (seconds, done.iter().map(|thread| thread.2).sum())
     })
+}
+
+/// Waits until `threads` threads are here. They spin: waking a sleeping thread takes as long as a hundred packets, and
+/// one that starts late would pass for bad scaling.
+fn meet(here: &AtomicUsize, threads: usize) {
+    here.fetch_add(1, Ordering::AcqRel);
+    let mut spins = 0u32;
+    while here.load(Ordering::Acquire) < threads {
+        spins += 1;
+        // There may be fewer cores than threads.
+        if spins.is_multiple_of(1024) { std::thread::yield_now() } else { std::hint::spin_loop() }
+    }
 }

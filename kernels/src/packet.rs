@@ -233,8 +233,8 @@ impl RayBlock {
 
     /// Replaces `blocks` by rays, 16 in a block; lanes of the last one may stay inactive.
     pub fn pack<'a>(rays: impl ExactSizeIterator<Item = &'a Ray>, blocks: &mut Vec<RayBlock>) {
-        blocks.clear();
         blocks.resize(rays.len().div_ceil(SUB), RayBlock::EMPTY);
+        blocks.iter_mut().for_each(|block| block.active = 0);
         for (i, ray) in rays.enumerate() {
             blocks[i / SUB].set(i % SUB, ray);
         }

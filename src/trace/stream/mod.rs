@@ -21,6 +21,8 @@ use survey::{Measure, Survey};
 
 /// Blocks that are regrouped at a time.
 const CHUNK: usize = 256;
+/// After blocks without company, one of so many tells whether there is any.
+const PROBE: usize = 16;
 /// Fewer rays than this are no group: a beam tests sixteen rays at a time, whoever takes part.
 const ENOUGH: u32 = 4;
 /// Origins of a group are no farther from that of one of its rays than this many times the median size of a block.
@@ -59,6 +61,8 @@ pub struct RayStream {
     picks: Vec<Pick>,
     /// Rays that fly alone.
     single: Vec<Pick>,
+    /// No rays of the last blocks flew together: looking whether the next do is worth a glance only.
+    strangers: bool,
     flight: Flight,
 }
 
@@ -123,7 +127,19 @@ impl RayStream {
         self.sizes.clear();
         traversal.kernels().run(Measure { blocks, sizes: &mut self.sizes });
         let limit = SPREAD * self.median();
-        traversal.kernels().run(Survey { limit, blocks, stream: self });
+        if self.strangers {
+            traversal.kernels().run(Survey::<PROBE> { limit, blocks, stream: self });
+            self.strangers = self.groups.is_empty();
+            self.groups.clear();
+            self.single.clear();
+        }
+        if self.strangers {
+            let alone = |(block, rays): (usize, &RayBlock)| Pick { block: block as u32, active: rays.active };
+            self.single.extend(blocks.iter().enumerate().map(alone));
+        } else {
+            traversal.kernels().run(Survey::<1> { limit, blocks, stream: self });
+            self.strangers = self.groups.is_empty();
+        }
         self.groups.sort_unstable();
         self.picks.clear();
         self.picks.extend(self.groups.iter().map(|group| group.pick()));

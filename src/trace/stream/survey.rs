@@ -17,8 +17,9 @@ pub(super) struct Measure<'a> {
     pub(super) sizes: &'a mut Vec<f32>,
 }
 
-/// Finds the groups in each block, with origins no farther apart than `limit` from that of one of the rays.
-pub(super) struct Survey<'a> {
+/// Finds the groups in one block of every `STEP`, with origins no farther apart than `limit` from that of one of the
+/// rays.
+pub(super) struct Survey<'a, const STEP: usize> {
     pub(super) limit: f32,
     pub(super) blocks: &'a [RayBlock],
     pub(super) stream: &'a mut RayStream,
@@ -52,13 +53,14 @@ struct Ways<S: Lanes<SUB>> {
     keys: [u32; SUB],
 }
 
-impl Kernel for Survey<'_> {
+impl<const STEP: usize> Kernel for Survey<'_, STEP> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
         let stream = self.stream;
-        for (index, block) in self.blocks.iter().enumerate() {
+        for index in (0..self.blocks.len()).step_by(STEP) {
+            let block = &self.blocks[index];
             let ways = Ways::new(s, block);
             let mut alone = 0;
             let mut left = u32::from(block.active);

@@ -254,6 +254,10 @@ mod embree_modes {
             self.units = self.set.rays().chunks(UNIT).map(pack).collect();
         }
 
+        fn release(&mut self) {
+            self.units = Vec::new();
+        }
+
         fn worker(&self) -> Box<dyn FnMut(usize) -> u64 + '_> {
             let occlusion = self.set.kind().occlusion();
             let scene = &self.scenes.scenes[usize::from(self.robust)];

@@ -21,6 +21,8 @@ pub(super) trait Mode: Sync {
     fn units(&self) -> usize;
     /// Brings buffers into the state before tracing.
     fn reset(&mut self) {}
+    /// Gives up buffers that [`Mode::reset`] filled: those of all modes together may not fit into memory.
+    fn release(&mut self) {}
     /// What one thread does with a unit; returns the number of hits.
     fn worker(&self) -> Box<dyn FnMut(usize) -> u64 + '_>;
 }
@@ -29,7 +31,12 @@ pub(super) trait Mode: Sync {
 pub(super) fn time(mode: &mut dyn Mode, threads: usize, pin: bool) -> (f64, u64) {
     let placement = Placement::new(Machine::get(), Some(threads), pin);
     mode.reset();
-    let mode = &*mode;
+    let result = run(&*mode, &placement, threads);
+    mode.release();
+    result
+}
+
+fn run(mode: &dyn Mode, placement: &Placement, threads: usize) -> (f64, u64) {
     let next = AtomicUsize::new(0);
     let ready = AtomicUsize::new(0);
     std::thread::scope(|scope| {

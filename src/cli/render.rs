@@ -99,7 +99,7 @@ fn summarise(
         schedule: options.schedule.to_string(),
         film: "shared".into(),
         tile: options.tile,
-        visibility: "exact".into(),
+        visibility: options.visibility.to_string(),
         effects: effects(scene),
         build: BuildSummary {
             seconds: rendered.build_seconds,
@@ -149,7 +149,10 @@ fn workers(frames: &[FrameReport]) -> Vec<WorkerSummary> {
 }
 
 fn counters(rendered: &Rendered, workers: &[WorkerSummary]) -> BTreeMap<String, u64> {
+    let sum = |doubts: fn(&FrameReport) -> u64| rendered.frames.iter().map(doubts).sum();
     BTreeMap::from([
+        ("exact_primary".into(), sum(|frame| frame.doubts.primary)),
+        ("exact_shadow".into(), sum(|frame| frame.doubts.shadow)),
         ("tiles".into(), workers.iter().map(|worker| worker.tiles).sum()),
         ("nan_pixels".into(), rendered.nan.map_or(0, |nan| nan.count)),
     ])

@@ -18,6 +18,7 @@ use crate::{
     node::{BvhView, EMPTY_NODE, Node, NodeRef},
     packet::{Face, Hit, MISS, Ray},
     simd::Simd,
+    visibility::Policy,
 };
 
 /// Rounding of a reciprocal, a product, and this factor itself, generously.
@@ -134,21 +135,21 @@ impl Best {
     }
 }
 
-/// The first hit.
+/// The first hit. Triangles that are decided exactly are added to `doubts`.
 #[inline(always)]
-pub(crate) fn intersect<S: Simd>(s: S, bvh: &BvhView, ray: &Ray) -> Hit {
+pub(crate) fn intersect<S: Simd, V: Policy>(s: S, bvh: &BvhView, ray: &Ray, doubts: &mut u64) -> Hit {
     let Some(ray) = TravRay::new(ray) else { return Hit::MISS };
     let mut best = Best::none(&ray);
-    traverse::<S, false>(s, bvh, &ray, &mut best, bvh.root);
+    traverse::<S, V, false>(s, bvh, &ray, &mut best, bvh.root, doubts);
     best.hit(bvh, &ray)
 }
 
-/// True if anything is hit.
+/// True if anything is hit; otherwise as [`intersect`].
 #[inline(always)]
-pub(crate) fn occluded<S: Simd>(s: S, bvh: &BvhView, ray: &Ray) -> bool {
+pub(crate) fn occluded<S: Simd, V: Policy>(s: S, bvh: &BvhView, ray: &Ray, doubts: &mut u64) -> bool {
     let Some(ray) = TravRay::new(ray) else { return false };
     let mut best = Best::none(&ray);
-    traverse::<S, true>(s, bvh, &ray, &mut best, bvh.root);
+    traverse::<S, V, true>(s, bvh, &ray, &mut best, bvh.root, doubts);
     best.slot != NO_SLOT
 }
 
@@ -160,24 +161,25 @@ struct Entry {
 
 /// Looks for something better than `best` below `root`.
 #[inline(always)]
-pub(super) fn traverse<S: Simd, const ANY: bool>(
+pub(super) fn traverse<S: Simd, V: Policy, const ANY: bool>(
     s: S,
     bvh: &BvhView,
     ray: &TravRay,
     best: &mut Best,
     root: NodeRef,
+    doubts: &mut u64,
 ) {
     let mut stack = Stack::new();
     let mut entry = Entry { node: root, near: ray.tnear };
     loop {
         if entry.node.is_leaf() {
-            leaf::<S>(s, bvh, ray, entry.node, best);
+            leaf::<S, V>(s, bvh, ray, entry.node, best, doubts);
             if ANY && best.slot != NO_SLOT {
                 return;
             }
         } else if entry.node != EMPTY_NODE {
             let node = &bvh.nodes[entry.node.index()];
-            if children::<S, ANY>(s, node, ray, best.reach, &mut stack, &mut entry) {
+            if children::<S, V, ANY>(s, node, ray, best.reach, &mut stack, &mut entry) {
                 continue;
             }
         }
@@ -196,7 +198,7 @@ pub(super) fn traverse<S: Simd, const ANY: bool>(
 /// Tests a node's children; pushes all that must be visited but the nearest, which becomes `next`. False if there is
 /// none.
 #[inline(always)]
-fn children<S: Simd, const ANY: bool>(
+fn children<S: Simd, V: Policy, const ANY: bool>(
     s: S,
     node: &Node,
     ray: &TravRay,
@@ -213,9 +215,12 @@ fn children<S: Simd, const ANY: bool>(
         near = ((F8::load(s, &node.bounds[2 * axis + negative]) - org) * rdir).max(near);
         far = ((F8::load(s, &node.bounds[2 * axis + 1 - negative]) - org) * rdir).min(far);
     }
-    // The signs of products are right, so widening by a factor suffices.
-    let near = near * F8::splat(s, SHRINK);
-    let mut left = near.le(far * F8::splat(s, GROW)).bits();
+    if V::EXACT {
+        // The signs of products are right, so widening by a factor suffices.
+        near = near * F8::splat(s, SHRINK);
+        far = far * F8::splat(s, GROW);
+    }
+    let mut left = near.le(far).bits();
     if left == 0 {
         return false;
     }
@@ -247,17 +252,24 @@ fn children<S: Simd, const ANY: bool>(
 
 /// Tests a run of triangles, lane = triangle.
 #[inline(always)]
-pub(super) fn leaf<S: Simd>(s: S, bvh: &BvhView, ray: &TravRay, node: NodeRef, best: &mut Best) {
+pub(super) fn leaf<S: Simd, V: Policy>(
+    s: S,
+    bvh: &BvhView,
+    ray: &TravRay,
+    node: NodeRef,
+    best: &mut Best,
+    doubts: &mut u64,
+) {
     let block_index = node.block();
     let block = &bvh.blocks[block_index];
     let corners = corners(s, block, &ray.frame);
     let slopes = [F8::splat(s, ray.slopes[0]), F8::splat(s, ray.slopes[1])];
-    let tests = sheared(s, &corners, slopes, F8::splat(s, best.hi));
+    let tests = sheared::<S, V, 8>(s, &corners, slopes, F8::splat(s, best.hi));
     let mut left = tests.maybe & node.lanes();
     if left == 0 {
         return;
     }
-    let [lo, hi] = tests.depths(s, &corners);
+    let [lo, hi] = tests.depths::<V>(s, &corners);
     let (lo, hi) = (lo.to_array(), hi.to_array());
     while left != 0 {
         let lane = (left.trailing_zeros() & 7) as usize;
@@ -265,14 +277,21 @@ pub(super) fn leaf<S: Simd>(s: S, bvh: &BvhView, ray: &TravRay, node: NodeRef, b
         if block.prim[lane] != ray.skip {
             let sure = tests.sure >> lane & 1 != 0;
             let slot = (block_index * 8 + lane) as u32;
-            consider(bvh, slot, sure.then_some((lo[lane], hi[lane])), ray, best);
+            consider::<V>(bvh, slot, sure.then_some((lo[lane], hi[lane])), ray, best, doubts);
         }
     }
 }
 
 /// Takes a triangle for the best hit if it is; `depth` encloses its depth if the ray passes through it beyond doubt.
 #[inline(always)]
-pub(super) fn consider(bvh: &BvhView, slot: u32, depth: Option<(f32, f32)>, ray: &TravRay, best: &mut Best) {
+fn consider<V: Policy>(
+    bvh: &BvhView,
+    slot: u32,
+    depth: Option<(f32, f32)>,
+    ray: &TravRay,
+    best: &mut Best,
+    doubts: &mut u64,
+) {
     if let Some((lo, hi)) = depth {
         // The second case is common: the surface that a ray has just left lies across the line behind it.
         if lo > best.hi || hi < ray.tnear * ray.d[2] * SHRINK {
@@ -283,6 +302,10 @@ pub(super) fn consider(bvh: &BvhView, slot: u32, depth: Option<(f32, f32)>, ray:
             return;
         }
     }
+    if !V::EXACT {
+        return;
+    }
+    *doubts += 1;
     if let Some(t) = nearer(bvh, &ray.frame, ray.d, [ray.tnear, ray.tfar], slot, best.slot) {
         let depth = t * f64::from(ray.d[2]);
         let (lo, hi) = ((depth * (1.0 - 5.0e-7)) as f32, (depth * (1.0 + 5.0e-7)) as f32);

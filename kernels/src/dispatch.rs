@@ -12,7 +12,7 @@ use crate::{
     node::{BvhView, NodeRef},
     packet::{Hit, HitBlock, Pick, Ray, RayBlock, SUBS, TileHits, TilePacket},
     simd::Kernel,
-    visibility::{Exact, Fast, Policy, Visibility},
+    visibility::{Exact, Fast, Visibility},
 };
 
 type TileIntersect = unsafe fn(&BvhView, &TilePacket, &mut TileScratch, &mut TileHits) -> u64;
@@ -51,13 +51,13 @@ impl Kernels {
             return None;
         }
         match isa {
-            Isa::Scalar => Some(scalar::EXACT),
+            Isa::Scalar => Some(scalar::exact::TABLE),
             #[cfg(target_arch = "x86_64")]
-            Isa::Sse42 => Some(sse42::EXACT),
+            Isa::Sse42 => Some(sse42::exact::TABLE),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2 => Some(avx2::EXACT),
+            Isa::Avx2 => Some(avx2::exact::TABLE),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 => Some(avx512::EXACT),
+            Isa::Avx512 => Some(avx512::exact::TABLE),
             #[cfg(not(target_arch = "x86_64"))]
             _ => None,
         }
@@ -65,19 +65,19 @@ impl Kernels {
 
     /// The kernels of the widest instruction set of this machine, with exact visibility.
     pub fn detect() -> Kernels {
-        Kernels::for_isa(Isa::detect()).unwrap_or(scalar::EXACT)
+        Kernels::for_isa(Isa::detect()).unwrap_or(scalar::exact::TABLE)
     }
 
     /// The same instruction set with another visibility.
     pub fn with_visibility(self, visibility: Visibility) -> Kernels {
         let [exact, fast] = match self.isa {
             #[cfg(target_arch = "x86_64")]
-            Isa::Sse42 => [sse42::EXACT, sse42::FAST],
+            Isa::Sse42 => [sse42::exact::TABLE, sse42::fast::TABLE],
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2 => [avx2::EXACT, avx2::FAST],
+            Isa::Avx2 => [avx2::exact::TABLE, avx2::fast::TABLE],
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 => [avx512::EXACT, avx512::FAST],
-            _ => [scalar::EXACT, scalar::FAST],
+            Isa::Avx512 => [avx512::exact::TABLE, avx512::fast::TABLE],
+            _ => [scalar::exact::TABLE, scalar::fast::TABLE],
         };
         match visibility {
             Visibility::Exact => exact,
@@ -242,116 +242,122 @@ impl Kernels {
     }
 }
 
-/// One module of entry functions: the only functions of the crate that carry `#[target_feature]`.
-macro_rules! entries {
-    ($(#[$gate:meta])* $module:ident, $isa:expr, $token:expr $(, $features:literal)?) => {
-        $(#[$gate])*
-        mod $module {
-            use super::*;
+/// The entry functions of one instruction set and visibility. They are not generic, so that they are compiled here, once,
+/// with the settings of this crate.
+macro_rules! table {
+    ($module:ident, $policy:ident, $isa:expr, $token:expr $(, $features:literal)?) => {
+        pub(super) mod $module {
+            use super::super::*;
 
-            pub(super) const EXACT: Kernels = table::<Exact>(Visibility::Exact);
-            pub(super) const FAST: Kernels = table::<Fast>(Visibility::Fast);
-
-            const fn table<V: Policy>(visibility: Visibility) -> Kernels {
-                Kernels {
-                    isa: $isa,
-                    visibility,
-                    tile_intersect: tile_intersect::<V>,
-                    tile_occluded: tile_occluded::<V>,
-                    intersect: intersect::<V>,
-                    occluded: occluded::<V>,
-                    intersect_each: intersect_each::<V>,
-                    occluded_each: occluded_each::<V>,
-                    beam_intersect: beam_intersect::<V>,
-                    beam_occluded: beam_occluded::<V>,
-                }
-            }
+            pub(in super::super) const TABLE: Kernels = Kernels {
+                isa: $isa,
+                visibility: Visibility::$policy,
+                tile_intersect,
+                tile_occluded,
+                intersect,
+                occluded,
+                intersect_each,
+                occluded_each,
+                beam_intersect,
+                beam_occluded,
+            };
 
             $(#[target_feature(enable = $features)])?
-            fn tile_intersect<V: Policy>(
+            fn tile_intersect(
                 bvh: &BvhView,
                 packet: &TilePacket,
                 scratch: &mut TileScratch,
                 hits: &mut TileHits,
             ) -> u64 {
-                tile::intersect::<_, V>($token, bvh, packet, scratch, hits)
+                tile::intersect::<_, $policy>($token, bvh, packet, scratch, hits)
             }
 
             $(#[target_feature(enable = $features)])?
-            fn tile_occluded<V: Policy>(
+            fn tile_occluded(
                 bvh: &BvhView,
                 packet: &TilePacket,
                 scratch: &mut TileScratch,
                 seed: &mut NodeRef,
                 blocked: &mut [u16; SUBS],
             ) -> u64 {
-                tile::occluded::<_, V>($token, bvh, packet, scratch, seed, blocked)
+                tile::occluded::<_, $policy>($token, bvh, packet, scratch, seed, blocked)
             }
 
             $(#[target_feature(enable = $features)])?
-            fn intersect<V: Policy>(bvh: &BvhView, ray: &Ray, doubts: &mut u64) -> Hit {
-                single::intersect::<_, V>($token, bvh, ray, doubts)
+            fn intersect(bvh: &BvhView, ray: &Ray, doubts: &mut u64) -> Hit {
+                single::intersect::<_, $policy>($token, bvh, ray, doubts)
             }
 
             $(#[target_feature(enable = $features)])?
-            fn occluded<V: Policy>(bvh: &BvhView, ray: &Ray, doubts: &mut u64) -> bool {
-                single::occluded::<_, V>($token, bvh, ray, doubts)
+            fn occluded(bvh: &BvhView, ray: &Ray, doubts: &mut u64) -> bool {
+                single::occluded::<_, $policy>($token, bvh, ray, doubts)
             }
 
             $(#[target_feature(enable = $features)])?
-            fn intersect_each<V: Policy>(
+            fn intersect_each(
                 bvh: &BvhView,
                 blocks: &[RayBlock],
                 picks: &[Pick],
                 flight: &mut Flight,
                 hits: &mut [HitBlock],
             ) -> u64 {
-                flight::intersect::<_, V>($token, bvh, blocks, picks, flight, hits)
+                flight::intersect::<_, $policy>($token, bvh, blocks, picks, flight, hits)
             }
 
             $(#[target_feature(enable = $features)])?
-            fn occluded_each<V: Policy>(
+            fn occluded_each(
                 bvh: &BvhView,
                 blocks: &[RayBlock],
                 picks: &[Pick],
                 flight: &mut Flight,
                 blocked: &mut [u16],
             ) -> u64 {
-                flight::occluded::<_, V>($token, bvh, blocks, picks, flight, blocked)
+                flight::occluded::<_, $policy>($token, bvh, blocks, picks, flight, blocked)
             }
 
             $(#[target_feature(enable = $features)])?
-            fn beam_intersect<V: Policy>(
+            fn beam_intersect(
                 bvh: &BvhView,
                 blocks: &[RayBlock],
                 picks: &[Pick],
                 hits: &mut [HitBlock],
             ) -> u64 {
-                beam::intersect::<_, V>($token, bvh, blocks, picks, hits)
+                beam::intersect::<_, $policy>($token, bvh, blocks, picks, hits)
             }
 
             $(#[target_feature(enable = $features)])?
-            fn beam_occluded<V: Policy>(
+            fn beam_occluded(
                 bvh: &BvhView,
                 blocks: &[RayBlock],
                 picks: &[Pick],
                 seed: &mut NodeRef,
                 blocked: &mut [u16],
             ) -> u64 {
-                beam::occluded::<_, V>($token, bvh, blocks, picks, seed, blocked)
+                beam::occluded::<_, $policy>($token, bvh, blocks, picks, seed, blocked)
             }
+        }
+    };
+}
+
+/// One module for each instruction set: with `table`, the only functions of the crate that carry `#[target_feature]`.
+macro_rules! entries {
+    ($(#[$gate:meta])* $module:ident, $isa:expr, $token:expr $(, $features:literal)?) => {
+        $(#[$gate])*
+        mod $module {
+            table!(exact, Exact, $isa, $token $(, $features)?);
+            table!(fast, Fast, $isa, $token $(, $features)?);
 
             /// Runs any computation with the features of this module.
             #[allow(dead_code)]
             $(#[target_feature(enable = $features)])?
-            pub(super) fn run<K: Kernel>(kernel: K) -> K::Output {
+            pub(super) fn run<K: super::Kernel>(kernel: K) -> K::Output {
                 kernel.run($token)
             }
         }
     };
 }
 
-entries!(scalar, Isa::Scalar, Scalar);
+entries!(scalar, Isa::Scalar, crate::arch::Scalar);
 entries!(
     #[cfg(target_arch = "x86_64")]
     sse42,

@@ -344,20 +344,22 @@ macro_rules! entries {
     ($(#[$gate:meta])* $module:ident, $isa:expr, $token:expr $(, $features:literal)?) => {
         $(#[$gate])*
         mod $module {
+            use super::*;
+
             table!(exact, Exact, $isa, $token $(, $features)?);
             table!(fast, Fast, $isa, $token $(, $features)?);
 
             /// Runs any computation with the features of this module.
             #[allow(dead_code)]
             $(#[target_feature(enable = $features)])?
-            pub(super) fn run<K: super::Kernel>(kernel: K) -> K::Output {
+            pub(super) fn run<K: Kernel>(kernel: K) -> K::Output {
                 kernel.run($token)
             }
         }
     };
 }
 
-entries!(scalar, Isa::Scalar, crate::arch::Scalar);
+entries!(scalar, Isa::Scalar, Scalar);
 entries!(
     #[cfg(target_arch = "x86_64")]
     sse42,

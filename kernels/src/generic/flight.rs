@@ -224,13 +224,14 @@ fn fly<S: Simd, V: Policy, const ANY: bool>(
         let mut leafs = std::mem::take(&mut waiting.leafs);
         while leafs != 0 {
             let flyer = take_first(&mut leafs);
-            waiting.push(flyer, flyers[flyer].leaf::<S, V, ANY>(s, bvh, &mut doubts));
+            waiting.push(flyer, flyers[flyer].leaf::<S, V, ANY>(s, bvh));
         }
         let mut done = std::mem::take(&mut waiting.done);
         while done != 0 {
             let flyer = take_first(&mut done);
             let at = &mut flyers[flyer];
             landing.land(bvh, at.number, &at.ray, &at.best);
+            doubts += u64::from(at.best.doubts);
             if let Some(next) = at.start_next::<V>(bvh, &mut queue, landing) {
                 waiting.push(flyer, next);
             }
@@ -251,7 +252,7 @@ impl Flyer {
         far_rdir: [0.0; 3],
         reach: 0.0,
         octant: 0,
-        best: Best { lo: 0.0, hi: 0.0, reach: 0.0, slot: NO_SLOT },
+        best: Best { lo: 0.0, hi: 0.0, reach: 0.0, slot: NO_SLOT, doubts: 0 },
         number: 0,
         len: 0,
         nodes: [0; STACK + SLACK],
@@ -341,9 +342,9 @@ impl Flyer {
 
     /// Tests the triangles of the topmost entry, a leaf, and removes it.
     #[inline(always)]
-    fn leaf<S: Simd, V: Policy, const ANY: bool>(&mut self, s: S, bvh: &BvhView, doubts: &mut u64) -> NodeRef {
+    fn leaf<S: Simd, V: Policy, const ANY: bool>(&mut self, s: S, bvh: &BvhView) -> NodeRef {
         let before = self.best.slot;
-        leaf::<S, V>(s, bvh, &self.ray, self.next(), &mut self.best, doubts);
+        leaf::<S, V>(s, bvh, &self.ray, self.next(), &mut self.best);
         self.len -= 1;
         if self.best.slot != before {
             if ANY {

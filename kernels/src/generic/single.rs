@@ -107,6 +107,8 @@ pub(super) struct Best {
     pub(super) reach: f32,
     /// [`NO_SLOT`] for none.
     pub(super) slot: u32,
+    /// Triangles that were decided exactly so far.
+    pub(super) doubts: u32,
 }
 
 impl Best {
@@ -114,12 +116,12 @@ impl Best {
     #[inline(always)]
     pub(super) fn none(ray: &TravRay) -> Best {
         let far = ray.tfar * ray.d[2];
-        Best { reach: ray.tfar, ..Best::at(far * SHRINK, far * GROW, NO_SLOT, ray) }
+        Best { lo: far * SHRINK, hi: far * GROW, reach: ray.tfar, slot: NO_SLOT, doubts: 0 }
     }
 
     #[inline(always)]
-    fn at(lo: f32, hi: f32, slot: u32, ray: &TravRay) -> Best {
-        Best { lo, hi, reach: hi * ray.scale * GROW, slot }
+    fn set(&mut self, lo: f32, hi: f32, slot: u32, ray: &TravRay) {
+        (self.lo, self.hi, self.reach, self.slot) = (lo, hi, hi * ray.scale * GROW, slot);
     }
 
     /// The hit by the canonical formula.
@@ -140,7 +142,8 @@ impl Best {
 pub(crate) fn intersect<S: Simd, V: Policy>(s: S, bvh: &BvhView, ray: &Ray, doubts: &mut u64) -> Hit {
     let Some(ray) = TravRay::new(ray) else { return Hit::MISS };
     let mut best = Best::none(&ray);
-    traverse::<S, V, false>(s, bvh, &ray, &mut best, bvh.root, doubts);
+    traverse::<S, V, false>(s, bvh, &ray, &mut best, bvh.root);
+    *doubts += u64::from(best.doubts);
     best.hit(bvh, &ray)
 }
 
@@ -149,7 +152,8 @@ pub(crate) fn intersect<S: Simd, V: Policy>(s: S, bvh: &BvhView, ray: &Ray, doub
 pub(crate) fn occluded<S: Simd, V: Policy>(s: S, bvh: &BvhView, ray: &Ray, doubts: &mut u64) -> bool {
     let Some(ray) = TravRay::new(ray) else { return false };
     let mut best = Best::none(&ray);
-    traverse::<S, V, true>(s, bvh, &ray, &mut best, bvh.root, doubts);
+    traverse::<S, V, true>(s, bvh, &ray, &mut best, bvh.root);
+    *doubts += u64::from(best.doubts);
     best.slot != NO_SLOT
 }
 
@@ -167,13 +171,12 @@ pub(super) fn traverse<S: Simd, V: Policy, const ANY: bool>(
     ray: &TravRay,
     best: &mut Best,
     root: NodeRef,
-    doubts: &mut u64,
 ) {
     let mut stack = Stack::new();
     let mut entry = Entry { node: root, near: ray.tnear };
     loop {
         if entry.node.is_leaf() {
-            leaf::<S, V>(s, bvh, ray, entry.node, best, doubts);
+            leaf::<S, V>(s, bvh, ray, entry.node, best);
             if ANY && best.slot != NO_SLOT {
                 return;
             }
@@ -252,14 +255,7 @@ fn children<S: Simd, V: Policy, const ANY: bool>(
 
 /// Tests a run of triangles, lane = triangle.
 #[inline(always)]
-pub(super) fn leaf<S: Simd, V: Policy>(
-    s: S,
-    bvh: &BvhView,
-    ray: &TravRay,
-    node: NodeRef,
-    best: &mut Best,
-    doubts: &mut u64,
-) {
+pub(super) fn leaf<S: Simd, V: Policy>(s: S, bvh: &BvhView, ray: &TravRay, node: NodeRef, best: &mut Best) {
     let block_index = node.block();
     let block = &bvh.blocks[block_index];
     let corners = corners(s, block, &ray.frame);
@@ -277,38 +273,38 @@ pub(super) fn leaf<S: Simd, V: Policy>(
         if block.prim[lane] != ray.skip {
             let sure = tests.sure >> lane & 1 != 0;
             let slot = (block_index * 8 + lane) as u32;
-            consider::<V>(bvh, slot, sure.then_some((lo[lane], hi[lane])), ray, best, doubts);
+            consider::<V>(bvh, slot, sure.then_some((lo[lane], hi[lane])), ray, best);
         }
     }
 }
 
 /// Takes a triangle for the best hit if it is; `depth` encloses its depth if the ray passes through it beyond doubt.
 #[inline(always)]
-fn consider<V: Policy>(
-    bvh: &BvhView,
-    slot: u32,
-    depth: Option<(f32, f32)>,
-    ray: &TravRay,
-    best: &mut Best,
-    doubts: &mut u64,
-) {
+fn consider<V: Policy>(bvh: &BvhView, slot: u32, depth: Option<(f32, f32)>, ray: &TravRay, best: &mut Best) {
     if let Some((lo, hi)) = depth {
         // The second case is common: the surface that a ray has just left lies across the line behind it.
         if lo > best.hi || hi < ray.tnear * ray.d[2] * SHRINK {
             return;
         }
         if hi < best.lo && lo > ray.tnear * ray.d[2] * GROW {
-            *best = Best::at(lo, hi, slot, ray);
+            best.set(lo, hi, slot, ray);
             return;
         }
     }
-    if !V::EXACT {
-        return;
+    if V::EXACT {
+        *best = settle(bvh, slot, ray, *best);
     }
-    *doubts += 1;
+}
+
+/// The better one of the best hit so far and a triangle, decided exactly.
+#[cold]
+#[inline(never)]
+fn settle(bvh: &BvhView, slot: u32, ray: &TravRay, mut best: Best) -> Best {
+    best.doubts += 1;
     if let Some(t) = nearer(bvh, &ray.frame, ray.d, [ray.tnear, ray.tfar], slot, best.slot) {
         let depth = t * f64::from(ray.d[2]);
         let (lo, hi) = ((depth * (1.0 - 5.0e-7)) as f32, (depth * (1.0 + 5.0e-7)) as f32);
-        *best = Best::at(lo, hi, slot, ray);
+        best.set(lo, hi, slot, ray);
     }
+    best
 }

@@ -65,12 +65,12 @@ struct State {
     live_subs: u32,
     /// Rays that are traced one by one.
     alone: [u16; SUBS],
-    /// Pairs of a ray and a triangle that were decided exactly.
-    doubts: u64,
     /// Greatest distance of an origin from the reference point along any axis.
     extent: f32,
     /// Of the reference point.
     frame: Frame,
+    /// Pairs of a ray and a triangle that were decided exactly.
+    doubts: u64,
 }
 
 /// Encloses lines and the depths of interest; widened so that box tests need not care for rounding.

@@ -61,8 +61,6 @@ struct State {
     batch: Batch,
     /// Slot of the triangle that decided a ray last.
     last: u32,
-    /// Pairs of a ray and a triangle that were decided exactly.
-    doubts: u64,
     /// Rays still to be decided.
     live: [u16; SUBS],
     /// Sub-packets with such rays.
@@ -72,6 +70,8 @@ struct State {
     tile_v: [f32; 2],
     tile_reach: f32,
     frame: Frame,
+    /// Pairs of a ray and a triangle that were decided exactly.
+    doubts: u64,
 }
 
 /// First hits of all active rays. Returns how many pairs of a ray and a triangle were decided exactly.

@@ -94,7 +94,10 @@ fn survey(path: &Path) -> (BTreeSet<String>, Vec<String>) {
 
 /// The names of the entries within a module.
 fn names() -> Vec<String> {
-    ["exact", "fast"].iter().flat_map(|visibility| ENTRIES.map(|name| format!("{visibility}::{name}"))).collect()
+    ["exact", "fast"]
+        .iter()
+        .flat_map(|visibility| ENTRIES.map(|name| format!("{visibility}::{name}")))
+        .collect()
 }
 
 fn assert_entries_call_nothing(path: &Path, expected: &[String]) {

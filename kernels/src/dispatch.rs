@@ -16,8 +16,7 @@ use crate::{
 };
 
 type TileIntersect = unsafe fn(&BvhView, &TilePacket, &mut TileScratch, &mut TileHits) -> u64;
-type TileOccluded =
-    unsafe fn(&BvhView, &TilePacket, &mut TileScratch, &mut NodeRef, &mut [u16; SUBS]) -> u64;
+type TileOccluded = unsafe fn(&BvhView, &TilePacket, &mut TileScratch, &mut NodeRef, &mut [u16; SUBS]) -> u64;
 type Intersect = unsafe fn(&BvhView, &Ray, &mut u64) -> Hit;
 type Occluded = unsafe fn(&BvhView, &Ray, &mut u64) -> bool;
 type IntersectEach = unsafe fn(&BvhView, &[RayBlock], &[Pick], &mut Flight, &mut [HitBlock]) -> u64;

@@ -70,7 +70,8 @@ fn warn_about(scene: &Scene, rendered: &Rendered) {
     }
     if let Some(nan) = rendered.nan {
         log::warn!(
-            "{} pixels, the first at ({}, {}), came out as NaN and were written black; please report this",
+            "{} pixels, the first at ({}, {}), came out as NaN or infinite and were written black; weaken the lights, or \
+             please report this",
             nan.count,
             nan.x,
             nan.y

@@ -55,7 +55,11 @@ pub(super) fn run(args: &TraceArgs, talk: Talk) -> Result<()> {
         write_hits(output, &hits)?;
         (hits.iter().filter(|hit| hit.prim != MISS).count(), doubts, seconds)
     };
-    if talk.quiet { Ok(()) } else { terminal::print(&summary(args, rays.len(), found, doubts, seconds, slots.len())) }
+    if talk.quiet {
+        Ok(())
+    } else {
+        terminal::print(&summary(args, rays.len(), found, doubts, seconds, slots.len()))
+    }
 }
 
 fn time<T>(work: impl FnOnce() -> T) -> (T, f64) {

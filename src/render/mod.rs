@@ -93,7 +93,8 @@ pub struct Rendered {
     pub tree_bytes: usize,
     /// One entry per frame.
     pub frames: Vec<FrameReport>,
-    /// Pixels that came out as NaN and were written black: a defect to report.
+    /// Pixels that came out as NaN or infinite and were written black: a defect to report, or lights beyond the range of
+    /// f32.
     pub nan: Option<NanPixels>,
 }
 
@@ -114,9 +115,11 @@ pub fn choose_kernels(isa: Option<Isa>) -> Result<Kernels> {
 ///
 /// # Errors
 /// [`Error::Flag`] for an instruction set that this machine lacks, [`Error::Interrupted`] if `control` was cancelled,
-/// [`Error::Worker`] if a tile panicked, [`Error::Failed`] if the tree cannot be built.
+/// [`Error::Worker`] if a tile panicked, [`Error::Failed`] if the scene breaks a promise (see [`Scene::check`]) or the
+/// tree cannot be built.
 pub fn render(scene: &Scene, options: &RenderOptions, control: &Control) -> Result<Rendered> {
     let kernels = choose_kernels(options.isa)?.with_visibility(options.visibility);
+    scene.check()?;
     // The machine is enumerated and the tree built before any thread is pinned: pins are inherited.
     let placement = Placement::new(Machine::get(), options.threads, options.pin);
     let start = Instant::now();

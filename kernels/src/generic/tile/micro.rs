@@ -236,7 +236,15 @@ impl Kernel for TriangleTest<'_, '_> {
             I32::splat(s, NO_SLOT).store(&mut state.slot[sub]);
         }
         for pair in &*pairs {
-            triangles::test::<S, Exact, false>(s, bvh, packet, state, &leaves[pair.leaf], pair.slot, pair.sub);
+            triangles::test::<S, Exact, false>(
+                s,
+                bvh,
+                packet,
+                state,
+                &leaves[pair.leaf],
+                pair.slot,
+                pair.sub,
+            );
         }
     }
 }

@@ -29,25 +29,53 @@ struct Started {
     start: [Vec3; SUB],
 }
 
-fn lanes<S: Simd>(s: S, of: impl Fn(usize) -> Vec3) -> Triple<S, SUB> {
-    [0, 1, 2].map(|k| F32::load(s, &std::array::from_fn(|i| of(i)[k])))
+/// Three planes of sixteen numbers.
+fn planes(of: impl Fn(usize) -> Vec3) -> [[f32; SUB]; 3] {
+    [0, 1, 2].map(|k| std::array::from_fn(|i| of(i)[k]))
 }
 
-fn vectors<S: Simd>(of: &Triple<S, SUB>) -> [Vec3; SUB] {
-    let of = [of[0].to_array(), of[1].to_array(), of[2].to_array()];
+fn vectors(of: [[f32; SUB]; 3]) -> [Vec3; SUB] {
     std::array::from_fn(|i| Vec3::new(of[0][i], of[1][i], of[2][i]))
 }
 
-impl Kernel for Start<'_> {
-    type Output = Started;
+#[inline(always)]
+fn load<S: Simd>(s: S, of: &[[f32; SUB]; 3]) -> Triple<S, SUB> {
+    [F32::load(s, &of[0]), F32::load(s, &of[1]), F32::load(s, &of[2])]
+}
+
+#[inline(always)]
+fn store<S: Simd>(of: &Triple<S, SUB>) -> [[f32; SUB]; 3] {
+    [of[0].to_array(), of[1].to_array(), of[2].to_array()]
+}
+
+/// What goes into the kernel and comes out of it.
+struct Inside {
+    corners: [[[f32; SUB]; 3]; 3],
+    uv: [[f32; SUB]; 2],
+    n: [[f32; SUB]; 3],
+}
+
+impl Kernel for Inside {
+    type Output = [[[f32; SUB]; 3]; 3];
 
     #[inline(always)]
-    fn run<S: Simd>(self, s: S) -> Started {
-        let corners = [0, 1, 2].map(|c| lanes(s, |i| self.corners[i][c]));
-        let uv = [0, 1].map(|k| F32::load(s, &std::array::from_fn(|i| self.uv[i][k])));
+    fn run<S: Simd>(self, s: S) -> Self::Output {
+        let [a, b, c] = &self.corners;
+        let corners = [load(s, a), load(s, b), load(s, c)];
+        let uv = [F32::load(s, &self.uv[0]), F32::load(s, &self.uv[1])];
         let footing = Footing::new(s, &corners, uv);
-        let start = footing.start(s, &lanes(s, |i| self.n[i]));
-        Started { point: vectors(&footing.point), error: vectors(&footing.error), start: vectors(&start) }
+        let start = footing.start(s, &load(s, &self.n));
+        [store(&footing.point), store(&footing.error), store(&start)]
+    }
+}
+
+impl Start<'_> {
+    fn run(&self, kernels: &Kernels) -> Started {
+        let corners = [0, 1, 2].map(|c| planes(|i| self.corners[i][c]));
+        let uv = [0, 1].map(|k| std::array::from_fn(|i| self.uv[i][k]));
+        let [point, error, start] =
+            kernels.run(Inside { corners, uv, n: planes(|i| self.n[i]) }).map(vectors);
+        Started { point, error, start }
     }
 }
 
@@ -119,9 +147,9 @@ fn points_are_within_their_bounds_and_starts_on_their_sides() {
             let sides: [f32; SUB] = std::array::from_fn(|_| [1.0, -1.0][random.below(2)]);
             let n: [Vec3; SUB] = std::array::from_fn(|i| sides[i] * normal(corners[i]));
             let start = || Start { corners: &corners, uv: &uv, n: &n };
-            let got = Kernels::detect().run(start());
+            let got = start().run(&Kernels::detect());
             for kernels in kernels() {
-                let same = kernels.run(start());
+                let same = start().run(&kernels);
                 assert_eq!((same.point, same.start), (got.point, got.start), "{}", kernels.isa());
             }
             for i in 0..SUB {
@@ -151,7 +179,7 @@ fn rays(random: &mut Random, mesh: &TriangleMesh, prims: &[usize; SUB], side: f3
         [u, (1.0 - u) * random.signed().abs()]
     });
     let n = corners.map(|corners| side * normal(corners));
-    let started = Kernels::detect().run(Start { corners: &corners, uv: &uv, n: &n });
+    let started = Start { corners: &corners, uv: &uv, n: &n }.run(&Kernels::detect());
     (0..SUB)
         .map(|i| {
             loop {
@@ -201,9 +229,13 @@ fn a_surface_close_by_is_seen() {
         for _ in 0..60 {
             let low = triangle(&mut random, size, far);
             let n = normal(low);
-            // Larger than the first one, so that all rays towards it meet it.
-            let middle = (low[0] + low[1] + low[2]) / 3.0;
-            let high = low.map(|v| middle + 2.0 * (v - middle) + gap(size, far) * n);
+            // So large that all rays towards it meet it.
+            let middle = ((low[0] + low[1] + low[2]) / 3.0).as_dvec3();
+            let up = n.as_dvec3();
+            let (x, y) = up.any_orthonormal_pair();
+            let at =
+                |i: f64, j: f64| middle + f64::from(gap(size, far)) * up + f64::from(size) * (i * x + j * y);
+            let high = [at(-30.0, -15.0), at(30.0, -15.0), at(0.0, 30.0)].map(|v| v.as_vec3());
             let mesh = mesh_of(&[low, high]);
             let bvh = build(&mesh);
             let prims = [0; SUB];
@@ -216,21 +248,26 @@ fn a_surface_close_by_is_seen() {
 }
 
 /// Displacements by [`bulge`].
-struct Bulge<'a>(&'a [Vec3; 3], &'a [Vec3; 3], [f32; 2]);
+struct Bulge([[[f32; SUB]; 3]; 8], [f32; 2]);
 
-impl Kernel for Bulge<'_> {
-    type Output = Vec3;
+impl Kernel for Bulge {
+    type Output = [[f32; SUB]; 3];
 
     #[inline(always)]
-    fn run<S: Simd>(self, s: S) -> Vec3 {
-        let Bulge(corners, normals, [u, v]) = self;
-        let n = normal(*corners);
-        let point = corners[0] + u * (corners[1] - corners[0]) + v * (corners[2] - corners[0]);
-        let corners = corners.map(|corner| lanes(s, |_| corner));
-        let normals = normals.map(|normal| lanes(s, |_| normal));
-        let uv = [F32::splat(s, u), F32::splat(s, v)];
-        vectors(&bulge(s, &corners, &normals, &lanes(s, |_| n), &lanes(s, |_| point), uv))[0]
+    fn run<S: Simd>(self, s: S) -> Self::Output {
+        let Bulge([a, b, c, na, nb, nc, ng, point], [u, v]) = &self;
+        let corners = [load(s, a), load(s, b), load(s, c)];
+        let normals = [load(s, na), load(s, nb), load(s, nc)];
+        let uv = [F32::splat(s, *u), F32::splat(s, *v)];
+        store(&bulge(s, &corners, &normals, &load(s, ng), &load(s, point), uv))
     }
+}
+
+fn bulge_of(kernels: &Kernels, corners: &[Vec3; 3], normals: &[Vec3; 3], [u, v]: [f32; 2]) -> Vec3 {
+    let ([a, b, c], [na, nb, nc]) = (*corners, *normals);
+    let point = a + u * (b - a) + v * (c - a);
+    let all = [a, b, c, na, nb, nc, normal(*corners), point].map(|vector| planes(|_| vector));
+    vectors(kernels.run(Bulge(all, [u, v])))[0]
 }
 
 #[test]
@@ -242,15 +279,15 @@ fn smooth_normals_move_points_onto_the_surface_they_stand_for() {
     for (u, v) in [(0.3, 0.3), (0.5, 0.1), (0.2, 0.6), (0.5, 0.5), (0.0, 0.4)] {
         let point = corners[0] + u * (corners[1] - corners[0]) + v * (corners[2] - corners[0]);
         for kernels in kernels() {
-            let by = kernels.run(Bulge(&corners, &corners, [u, v]));
+            let by = bulge_of(&kernels, &corners, &corners, [u, v]);
             let (before, after) = (1.0 - point.length(), ((point + by).length() - 1.0).abs());
             assert!(by.dot(flat) > 0.0 && after < before, "{u} {v}: {before} {after}");
-            assert_eq!(kernels.run(Bulge(&corners, &[flat; 3], [u, v])).length() > 1.0e-7, false);
-            assert_eq!(kernels.run(Bulge(&corners, &corners.map(|n| -n), [u, v])), Vec3::ZERO);
+            assert!(bulge_of(&kernels, &corners, &[flat; 3], [u, v]).length() < 1.0e-7);
+            assert_eq!(bulge_of(&kernels, &corners, &corners.map(|n| -n), [u, v]), Vec3::ZERO);
         }
     }
     for (u, v) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)] {
-        assert!(Kernels::detect().run(Bulge(&corners, &corners, [u, v])).length() < 1.0e-6, "corners stay");
+        assert!(bulge_of(&Kernels::detect(), &corners, &corners, [u, v]).length() < 1.0e-6, "corners stay");
     }
 }
 

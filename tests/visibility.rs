@@ -85,7 +85,7 @@ fn only_fast_visibility_leaks_and_only_exact_visibility_has_doubts() {
                 let kernels = kernels.with_visibility(visibility);
                 assert_eq!((kernels.visibility(), kernels.isa()), (visibility, kernels.isa()));
                 let (mut counts, mut random) = (Counts::default(), Random(71));
-                for _ in 0..40 {
+                for _ in 0..100 {
                     count(&kernels, &bvh, &aimed(&mut random, &mesh, center), &mut counts);
                 }
                 counts
@@ -95,7 +95,7 @@ fn only_fast_visibility_leaks_and_only_exact_visibility_has_doubts() {
             assert_eq!(fast.doubts, [0; 4], "{isa}, {center}");
             for (i, name) in KERNELS.into_iter().enumerate() {
                 assert!(exact.doubts[i] > 1000, "{name}, {isa}, {center}: {exact:?}");
-                assert!(fast.leaks[i] > 10, "{name}, {isa}, {center}: {fast:?}");
+                assert!(fast.leaks[i] > 4, "{name}, {isa}, {center}: {fast:?}");
             }
         }
     }

@@ -123,11 +123,12 @@ pub fn bulge<S: Lanes<W>, const W: usize>(
     let (zero, one) = (F32::splat(s, 0.0), F32::splat(s, 1.0));
     let weights = [(one - u - v).max(zero), u, v];
     let mut sum = [zero; 3];
-    for ((corner, n), weight) in corners.iter().zip(normals).zip(weights) {
+    for i in 0..3 {
+        let (corner, n) = (&corners[i], &normals[i]);
         let from = [point[0] - corner[0], point[1] - corner[1], point[2] - corner[2]];
         let above = dot(&from, n).min(zero);
         let outward = zero.lt(dot(n, ng));
-        let up = outward.select(-above * weight, zero);
+        let up = outward.select(-above * weights[i], zero);
         for k in 0..3 {
             sum[k] = sum[k] + up * n[k];
         }

@@ -107,6 +107,7 @@ pub(crate) fn occluded<S: Simd, V: Policy>(
     let TileScratch { state, leaves, .. } = scratch;
     state.begin::<S, V>(s, packet);
     leaves.begin::<V>(bvh, packet);
+    let started = state.live;
     if *seed != EMPTY_NODE && seed.block() < bvh.blocks.len() {
         let subs = state.live_subs;
         triangles::list::<S, V>(s, bvh, state, leaves, *seed, subs);
@@ -115,7 +116,7 @@ pub(crate) fn occluded<S: Simd, V: Policy>(
     walk::traverse::<S, V, true>(s, bvh, packet, state, leaves, bvh.root);
     *seed = if state.last == NO_SLOT { EMPTY_NODE } else { NodeRef::triangle(state.last) };
     for sub in 0..SUBS {
-        blocked[sub] = packet.active[sub] & !state.live[sub];
+        blocked[sub] = started[sub] & !state.live[sub];
     }
     state.doubts
 }
@@ -159,8 +160,8 @@ impl State {
         self.frame = Frame::new(packet.org, packet.face);
         for sub in 0..SUBS {
             if packet.active[sub] != 0 {
-                self.live_subs |= 1 << sub;
                 self.sub_packet::<S, V>(s, packet, sub);
+                self.live_subs |= u32::from(self.live[sub] != 0) << sub;
             }
         }
         self.tile_u = [F16::load(s, &self.u[0]).reduce_min(), F16::load(s, &self.u[1]).reduce_max()];
@@ -168,11 +169,20 @@ impl State {
         self.tile_reach = F16::load(s, &self.reach).reduce_min();
     }
 
-    /// Bounds of one sub-packet.
+    /// Bounds of one sub-packet. Rays without a meaning are not among the live ones.
     #[inline(always)]
     fn sub_packet<S: Simd, V: Policy>(&mut self, s: S, packet: &TilePacket, sub: usize) {
         let infinity = F16::splat(s, f32::INFINITY);
-        let active = Mask::from_bits(s, u32::from(packet.active[sub]));
+        let u = F16::load(s, &rays(&packet.u)[sub]);
+        let v = F16::load(s, &rays(&packet.v)[sub]);
+        // NaN fails.
+        let one = F16::splat(s, 1.0);
+        let mut valid = u.abs().le(one) & v.abs().le(one);
+        if packet.bounded {
+            valid = valid & F16::splat(s, 0.0).lt(F16::load(s, &rays(&packet.tfar)[sub]));
+        }
+        self.live[sub] &= valid.bits() as u16;
+        let active = Mask::from_bits(s, u32::from(self.live[sub]));
         let (mut lo, mut hi) = (F16::splat(s, 0.0), F16::splat(s, 0.0));
         if packet.bounded {
             // 1 / tfar is off by half a unit: these factors enclose it.
@@ -186,8 +196,6 @@ impl State {
         active.select(hi, infinity).store(&mut self.hi[sub]);
         I32::splat(s, NO_SLOT).store(&mut self.slot[sub]);
         self.reach[sub] = if packet.bounded { lo.reduce_min() } else { 0.0 };
-        let u = F16::load(s, &rays(&packet.u)[sub]);
-        let v = F16::load(s, &rays(&packet.v)[sub]);
         let (u, v) = ([u, -u], [v, -v]);
         let (u0, u1) = (active.select(u[0], infinity), active.select(u[1], infinity));
         let (v0, v1) = (active.select(v[0], infinity), active.select(v[1], infinity));

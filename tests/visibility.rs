@@ -77,10 +77,12 @@ fn count(kernels: &Kernels, bvh: &Bvh, packet: &TilePacket, counts: &mut Counts)
 
 #[test]
 fn only_fast_visibility_leaks_and_only_exact_visibility_has_doubts() {
+    // By instruction set and kernel. The edge functions of tiles are so symmetric that not every place makes them leak.
+    let mut leaks = vec![[0; 4]; kernels().len()];
     for center in [Vec3::ZERO, Vec3::splat(100.0), Vec3::new(148_376.0, 1234.0, -223_423.0)] {
         let mesh = sphere(center, 1.0, 16);
         let bvh = Bvh::build(&mesh, BuildPreset::Medium).expect("builds");
-        for kernels in kernels() {
+        for (kernels, leaks) in kernels().into_iter().zip(&mut leaks) {
             let [exact, fast] = Visibility::ALL.map(|visibility| {
                 let kernels = kernels.with_visibility(visibility);
                 assert_eq!((kernels.visibility(), kernels.isa()), (visibility, kernels.isa()));
@@ -95,8 +97,13 @@ fn only_fast_visibility_leaks_and_only_exact_visibility_has_doubts() {
             assert_eq!(fast.doubts, [0; 4], "{isa}, {center}");
             for (i, name) in KERNELS.into_iter().enumerate() {
                 assert!(exact.doubts[i] > 1000, "{name}, {isa}, {center}: {exact:?}");
-                assert!(fast.leaks[i] > 4, "{name}, {isa}, {center}: {fast:?}");
+                leaks[i] += fast.leaks[i];
             }
+        }
+    }
+    for (kernels, leaks) in kernels().iter().zip(&leaks) {
+        for (name, &leaks) in KERNELS.iter().zip(leaks) {
+            assert!(leaks > 4, "{name}, {}: only {leaks} rays leak", kernels.isa());
         }
     }
 }

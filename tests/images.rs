@@ -2,7 +2,7 @@
 
 use irt::{
     bvh::BuildPreset,
-    kernels::Isa,
+    kernels::{Isa, Visibility},
     render::{RenderOptions, render},
     scene::{Scene, procedural},
     schedule::{Control, Strategy},
@@ -13,6 +13,7 @@ use irt::{
 const BASE: RenderOptions = RenderOptions {
     isa: None,
     kernel: KernelChoice::Tile,
+    visibility: Visibility::Exact,
     threads: Some(1),
     pin: false,
     order: Order::Hilbert,

@@ -6,7 +6,7 @@ use irt::{
     bvh::BuildPreset,
     camera::Camera,
     film::Film,
-    kernels::{Hit, Isa, MISS, Ray},
+    kernels::{Hit, Isa, MISS, Ray, Visibility},
     render::{RenderOptions, render},
     scene::{CameraDescription, Falloff, Light, Material, Scene},
     schedule::{Control, Strategy},
@@ -89,6 +89,7 @@ fn film(scene: &Scene, isa: Option<Isa>, kernel: KernelChoice, tile: u32) -> (Fi
     let options = RenderOptions {
         isa,
         kernel,
+        visibility: Visibility::Exact,
         threads: Some(2),
         pin: false,
         order: Order::Hilbert,

@@ -1,6 +1,7 @@
 //! The one integration-test binary; a module per subject.
 
 mod agree; // every kernel against brute force
+mod bad_input; // numbers without a meaning
 mod batch; // many rays at once against single rays
 mod beam; // beams of general rays against single rays
 mod build; // trees on every kind of input
@@ -11,4 +12,6 @@ mod images;
 mod layering; // who may know whom
 mod light; // direct light against a plain reference
 mod scene_load; // readers, scene descriptions, names
+mod spawn; // rays that start on surfaces
 mod support; // oracles, meshes, random numbers
+mod visibility; // exact against fast

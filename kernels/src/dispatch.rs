@@ -12,21 +12,27 @@ use crate::{
     node::{BvhView, NodeRef},
     packet::{Hit, HitBlock, Pick, Ray, RayBlock, SUBS, TileHits, TilePacket},
     simd::Kernel,
+    visibility::{Exact, Fast, Visibility},
 };
 
-type TileIntersect = unsafe fn(&BvhView, &TilePacket, &mut TileScratch, &mut TileHits);
-type TileOccluded = unsafe fn(&BvhView, &TilePacket, &mut TileScratch, &mut NodeRef, &mut [u16; SUBS]);
-type Intersect = unsafe fn(&BvhView, &Ray) -> Hit;
-type Occluded = unsafe fn(&BvhView, &Ray) -> bool;
-type IntersectEach = unsafe fn(&BvhView, &[RayBlock], &[Pick], &mut Flight, &mut [HitBlock]);
-type OccludedEach = unsafe fn(&BvhView, &[RayBlock], &[Pick], &mut Flight, &mut [u16]);
-type BeamIntersect = unsafe fn(&BvhView, &[RayBlock], &[Pick], &mut [HitBlock]);
-type BeamOccluded = unsafe fn(&BvhView, &[RayBlock], &[Pick], &mut NodeRef, &mut [u16]);
+type TileIntersect = unsafe fn(&BvhView, &TilePacket, &mut TileScratch, &mut TileHits) -> u64;
+type TileOccluded = unsafe fn(&BvhView, &TilePacket, &mut TileScratch, &mut NodeRef, &mut [u16; SUBS]) -> u64;
+type Intersect = unsafe fn(&BvhView, &Ray, &mut u64) -> Hit;
+type Occluded = unsafe fn(&BvhView, &Ray, &mut u64) -> bool;
+type IntersectEach = unsafe fn(&BvhView, &[RayBlock], &[Pick], &mut Flight, &mut [HitBlock]) -> u64;
+type OccludedEach = unsafe fn(&BvhView, &[RayBlock], &[Pick], &mut Flight, &mut [u16]) -> u64;
+type BeamIntersect = unsafe fn(&BvhView, &[RayBlock], &[Pick], &mut [HitBlock]) -> u64;
+type BeamOccluded = unsafe fn(&BvhView, &[RayBlock], &[Pick], &mut NodeRef, &mut [u16]) -> u64;
 
-/// The kernels of one instruction set, known to run on this machine.
+/// The kernels of one instruction set and visibility, known to run on this machine.
+///
+/// Kernels for many rays return how many pairs of a ray and a triangle the filters left *in doubt*, so that exact
+/// arithmetic decided them: 0 with [`Visibility::Fast`]. The number depends on the kernel and the instruction set, since
+/// a triangle that is nowhere near a ray may be culled by one of them and not by another; the hits do not.
 #[derive(Clone, Copy, Debug)]
 pub struct Kernels {
     isa: Isa,
+    visibility: Visibility,
     tile_intersect: TileIntersect,
     tile_occluded: TileOccluded,
     intersect: Intersect,
@@ -38,32 +44,54 @@ pub struct Kernels {
 }
 
 impl Kernels {
-    /// The kernels of `isa`; `None` if this machine cannot run them.
+    /// The kernels of `isa` with exact visibility; `None` if this machine cannot run them.
     pub fn for_isa(isa: Isa) -> Option<Kernels> {
         if !isa.is_available() {
             return None;
         }
         match isa {
-            Isa::Scalar => Some(scalar::TABLE),
+            Isa::Scalar => Some(scalar::exact::TABLE),
             #[cfg(target_arch = "x86_64")]
-            Isa::Sse42 => Some(sse42::TABLE),
+            Isa::Sse42 => Some(sse42::exact::TABLE),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2 => Some(avx2::TABLE),
+            Isa::Avx2 => Some(avx2::exact::TABLE),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 => Some(avx512::TABLE),
+            Isa::Avx512 => Some(avx512::exact::TABLE),
             #[cfg(not(target_arch = "x86_64"))]
             _ => None,
         }
     }
 
-    /// The kernels of the widest instruction set of this machine.
+    /// The kernels of the widest instruction set of this machine, with exact visibility.
     pub fn detect() -> Kernels {
-        Kernels::for_isa(Isa::detect()).unwrap_or(scalar::TABLE)
+        Kernels::for_isa(Isa::detect()).unwrap_or(scalar::exact::TABLE)
+    }
+
+    /// The same instruction set with another visibility.
+    pub fn with_visibility(self, visibility: Visibility) -> Kernels {
+        let [exact, fast] = match self.isa {
+            #[cfg(target_arch = "x86_64")]
+            Isa::Sse42 => [sse42::exact::TABLE, sse42::fast::TABLE],
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx2 => [avx2::exact::TABLE, avx2::fast::TABLE],
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx512 => [avx512::exact::TABLE, avx512::fast::TABLE],
+            _ => [scalar::exact::TABLE, scalar::fast::TABLE],
+        };
+        match visibility {
+            Visibility::Exact => exact,
+            Visibility::Fast => fast,
+        }
     }
 
     /// The instruction set.
     pub fn isa(&self) -> Isa {
         self.isa
+    }
+
+    /// How hits are decided.
+    pub fn visibility(&self) -> Visibility {
+        self.visibility
     }
 
     /// First hits of the active rays of a packet; hits of other rays are left as they are.
@@ -74,7 +102,7 @@ impl Kernels {
         packet: &TilePacket,
         scratch: &mut TileScratch,
         hits: &mut TileHits,
-    ) {
+    ) -> u64 {
         // SAFETY: `for_isa` hands out a table only after detecting its features; the function is otherwise safe.
         unsafe { (self.tile_intersect)(bvh, packet, scratch, hits) }
     }
@@ -91,7 +119,7 @@ impl Kernels {
         scratch: &mut TileScratch,
         seed: &mut NodeRef,
         blocked: &mut [u16; SUBS],
-    ) {
+    ) -> u64 {
         // SAFETY: as in `tile_intersect`.
         unsafe { (self.tile_occluded)(bvh, packet, scratch, seed, blocked) }
     }
@@ -99,15 +127,27 @@ impl Kernels {
     /// First hit of a single ray.
     #[inline]
     pub fn intersect(&self, bvh: &BvhView, ray: &Ray) -> Hit {
+        self.intersect_counted(bvh, ray, &mut 0)
+    }
+
+    /// As [`Kernels::intersect`]; adds to `doubts` the number of triangles that exact arithmetic decided.
+    #[inline]
+    pub fn intersect_counted(&self, bvh: &BvhView, ray: &Ray, doubts: &mut u64) -> Hit {
         // SAFETY: as in `tile_intersect`.
-        unsafe { (self.intersect)(bvh, ray) }
+        unsafe { (self.intersect)(bvh, ray, doubts) }
     }
 
     /// True if anything blocks a single ray between `tnear` and `tfar`.
     #[inline]
     pub fn occluded(&self, bvh: &BvhView, ray: &Ray) -> bool {
+        self.occluded_counted(bvh, ray, &mut 0)
+    }
+
+    /// As [`Kernels::occluded`]; adds to `doubts` the number of triangles that exact arithmetic decided.
+    #[inline]
+    pub fn occluded_counted(&self, bvh: &BvhView, ray: &Ray, doubts: &mut u64) -> bool {
         // SAFETY: as in `tile_intersect`.
-        unsafe { (self.occluded)(bvh, ray) }
+        unsafe { (self.occluded)(bvh, ray, doubts) }
     }
 
     /// First hits of the active rays of the blocks that `picks` names by index, which need have nothing in common: several
@@ -123,7 +163,7 @@ impl Kernels {
         picks: &[Pick],
         flight: &mut Flight,
         hits: &mut [HitBlock],
-    ) {
+    ) -> u64 {
         // SAFETY: as in `tile_intersect`.
         unsafe { (self.intersect_each)(bvh, blocks, picks, flight, hits) }
     }
@@ -141,7 +181,7 @@ impl Kernels {
         picks: &[Pick],
         flight: &mut Flight,
         blocked: &mut [u16],
-    ) {
+    ) -> u64 {
         // SAFETY: as in `tile_intersect`.
         unsafe { (self.occluded_each)(bvh, blocks, picks, flight, blocked) }
     }
@@ -152,7 +192,13 @@ impl Kernels {
     /// # Panics
     /// If there are more picks than that, or one is out of range of the blocks or hits.
     #[inline]
-    pub fn beam_intersect(&self, bvh: &BvhView, blocks: &[RayBlock], picks: &[Pick], hits: &mut [HitBlock]) {
+    pub fn beam_intersect(
+        &self,
+        bvh: &BvhView,
+        blocks: &[RayBlock],
+        picks: &[Pick],
+        hits: &mut [HitBlock],
+    ) -> u64 {
         assert!(picks.len() <= SUBS, "at most 16 picks");
         // SAFETY: as in `tile_intersect`.
         unsafe { (self.beam_intersect)(bvh, blocks, picks, hits) }
@@ -171,7 +217,7 @@ impl Kernels {
         picks: &[Pick],
         seed: &mut NodeRef,
         blocked: &mut [u16],
-    ) {
+    ) -> u64 {
         assert!(picks.len() <= SUBS, "at most 16 picks");
         // SAFETY: as in `tile_intersect`.
         unsafe { (self.beam_occluded)(bvh, blocks, picks, seed, blocked) }
@@ -195,15 +241,16 @@ impl Kernels {
     }
 }
 
-/// One module of entry functions: the only functions of the crate that carry `#[target_feature]`.
-macro_rules! entries {
-    ($(#[$gate:meta])* $module:ident, $isa:expr, $token:expr $(, $features:literal)?) => {
-        $(#[$gate])*
-        mod $module {
-            use super::*;
+/// The entry functions of one instruction set and visibility. They are not generic, so that they are compiled here, once,
+/// with the settings of this crate.
+macro_rules! table {
+    ($module:ident, $policy:ident, $isa:expr, $token:expr $(, $features:literal)?) => {
+        pub(super) mod $module {
+            use super::super::*;
 
-            pub(super) const TABLE: Kernels = Kernels {
+            pub(in super::super) const TABLE: Kernels = Kernels {
                 isa: $isa,
+                visibility: Visibility::$policy,
                 tile_intersect,
                 tile_occluded,
                 intersect,
@@ -220,8 +267,8 @@ macro_rules! entries {
                 packet: &TilePacket,
                 scratch: &mut TileScratch,
                 hits: &mut TileHits,
-            ) {
-                tile::intersect($token, bvh, packet, scratch, hits);
+            ) -> u64 {
+                tile::intersect::<_, $policy>($token, bvh, packet, scratch, hits)
             }
 
             $(#[target_feature(enable = $features)])?
@@ -231,18 +278,18 @@ macro_rules! entries {
                 scratch: &mut TileScratch,
                 seed: &mut NodeRef,
                 blocked: &mut [u16; SUBS],
-            ) {
-                tile::occluded($token, bvh, packet, scratch, seed, blocked);
+            ) -> u64 {
+                tile::occluded::<_, $policy>($token, bvh, packet, scratch, seed, blocked)
             }
 
             $(#[target_feature(enable = $features)])?
-            fn intersect(bvh: &BvhView, ray: &Ray) -> Hit {
-                single::intersect($token, bvh, ray)
+            fn intersect(bvh: &BvhView, ray: &Ray, doubts: &mut u64) -> Hit {
+                single::intersect::<_, $policy>($token, bvh, ray, doubts)
             }
 
             $(#[target_feature(enable = $features)])?
-            fn occluded(bvh: &BvhView, ray: &Ray) -> bool {
-                single::occluded($token, bvh, ray)
+            fn occluded(bvh: &BvhView, ray: &Ray, doubts: &mut u64) -> bool {
+                single::occluded::<_, $policy>($token, bvh, ray, doubts)
             }
 
             $(#[target_feature(enable = $features)])?
@@ -252,8 +299,8 @@ macro_rules! entries {
                 picks: &[Pick],
                 flight: &mut Flight,
                 hits: &mut [HitBlock],
-            ) {
-                flight::intersect($token, bvh, blocks, picks, flight, hits);
+            ) -> u64 {
+                flight::intersect::<_, $policy>($token, bvh, blocks, picks, flight, hits)
             }
 
             $(#[target_feature(enable = $features)])?
@@ -263,13 +310,18 @@ macro_rules! entries {
                 picks: &[Pick],
                 flight: &mut Flight,
                 blocked: &mut [u16],
-            ) {
-                flight::occluded($token, bvh, blocks, picks, flight, blocked);
+            ) -> u64 {
+                flight::occluded::<_, $policy>($token, bvh, blocks, picks, flight, blocked)
             }
 
             $(#[target_feature(enable = $features)])?
-            fn beam_intersect(bvh: &BvhView, blocks: &[RayBlock], picks: &[Pick], hits: &mut [HitBlock]) {
-                beam::intersect($token, bvh, blocks, picks, hits);
+            fn beam_intersect(
+                bvh: &BvhView,
+                blocks: &[RayBlock],
+                picks: &[Pick],
+                hits: &mut [HitBlock],
+            ) -> u64 {
+                beam::intersect::<_, $policy>($token, bvh, blocks, picks, hits)
             }
 
             $(#[target_feature(enable = $features)])?
@@ -279,9 +331,22 @@ macro_rules! entries {
                 picks: &[Pick],
                 seed: &mut NodeRef,
                 blocked: &mut [u16],
-            ) {
-                beam::occluded($token, bvh, blocks, picks, seed, blocked);
+            ) -> u64 {
+                beam::occluded::<_, $policy>($token, bvh, blocks, picks, seed, blocked)
             }
+        }
+    };
+}
+
+/// One module for each instruction set: with `table`, the only functions of the crate that carry `#[target_feature]`.
+macro_rules! entries {
+    ($(#[$gate:meta])* $module:ident, $isa:expr, $token:expr $(, $features:literal)?) => {
+        $(#[$gate])*
+        mod $module {
+            use super::*;
+
+            table!(exact, Exact, $isa, $token $(, $features)?);
+            table!(fast, Fast, $isa, $token $(, $features)?);
 
             /// Runs any computation with the features of this module.
             #[allow(dead_code)]

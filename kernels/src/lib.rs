@@ -33,6 +33,7 @@ mod node;
 mod packet;
 mod simd;
 mod vector;
+mod visibility;
 
 pub use arch::Scalar;
 pub use dispatch::Kernels;
@@ -45,3 +46,4 @@ pub use packet::{
 };
 pub use simd::{Kernel, Lanes, Simd};
 pub use vector::{F32, I32, Mask};
+pub use visibility::Visibility;

@@ -106,7 +106,8 @@ impl Face {
 /// 256 rays from one origin whose directions share a face, as slopes: at depth t ray i passes through
 /// `org + t * face.direction(u[i], v[i])`.
 ///
-/// Rays `16 s .. 16 s + 16` form sub-packet `s`; the closer their slopes, the faster the packet.
+/// Rays `16 s .. 16 s + 16` form sub-packet `s`; the closer their slopes, the faster the packet. A ray whose slopes or
+/// `tfar` are NaN or out of range hits nothing and disturbs no other ray; the origin must be finite.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct TilePacket {

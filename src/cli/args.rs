@@ -3,6 +3,7 @@
 use super::value::{IsaChoice, field_of_view, number, one_of, size, vector, whole};
 use crate::{
     bvh::BuildPreset,
+    kernels::Visibility,
     scene::procedural,
     schedule::Strategy,
     study::bench::{Engine, Kind},
@@ -126,9 +127,9 @@ impl PinArgs {
     }
 }
 
-/// How to compute; none of these changes the image.
+/// How to compute; of these, only fast visibility changes the image.
 #[derive(Args, Clone, Debug)]
-#[command(next_help_heading = "Engine (none of these changes the image)")]
+#[command(next_help_heading = "Engine (only fast visibility changes the image)")]
 pub(super) struct EngineArgs {
     /// Worker threads [default: one per physical core]
     #[arg(long, value_name = "N", value_parser = whole(1..=1024usize), allow_negative_numbers = true)]
@@ -138,6 +139,9 @@ pub(super) struct EngineArgs {
     /// Instruction set of the kernels; auto takes the widest of this machine
     #[arg(long, default_value = "auto", value_parser = one_of::<IsaChoice>())]
     pub(super) isa: IsaChoice,
+    /// How hits are decided: exact, or fast as other ray tracers do, which leaks at edges and vertices
+    #[arg(long, default_value = Visibility::default().name(), value_parser = one_of::<Visibility>())]
+    pub(super) visibility: Visibility,
     /// Kernel for rays with a common origin
     #[arg(long, default_value = KernelChoice::default().name(), value_parser = one_of::<KernelChoice>())]
     pub(super) kernel: KernelChoice,
@@ -199,6 +203,12 @@ pub(super) struct BenchArgs {
     /// Instruction set of irt and Embree; auto takes the widest of this machine
     #[arg(long, default_value = "auto", value_parser = one_of::<IsaChoice>())]
     pub(super) isa: IsaChoice,
+    /// How irt decides hits: exact, or fast as other ray tracers do, which leaks at edges and vertices; both are compared
+    #[arg(
+        long, value_name = "LIST", value_delimiter = ',', default_value = Visibility::default().name(),
+        value_parser = one_of::<Visibility>()
+    )]
+    pub(super) visibility: Vec<Visibility>,
     /// Timed rounds, of which the median is told
     #[arg(
         long, value_name = "N", default_value = "7",
@@ -220,10 +230,10 @@ pub(super) struct BenchArgs {
     #[arg(long, default_value = BuildPreset::default().name(), value_parser = one_of::<BuildPreset>())]
     pub(super) build: BuildPreset,
     /// Compare builds instead: every preset's time, size, and rays per second; of obvhs, there is none
-    #[arg(long, conflicts_with_all = ["build", "all_modes"])]
+    #[arg(long, conflicts_with_all = ["build", "all_modes", "visibility"])]
     pub(super) builds: bool,
     /// Time the steps of a frame one by one instead, in ns per ray, box or triangle, for every instruction set
-    #[arg(long, conflicts_with_all = ["builds", "all_modes", "kinds", "engines", "threads"])]
+    #[arg(long, conflicts_with_all = ["builds", "all_modes", "kinds", "engines", "threads", "visibility"])]
     pub(super) micro: bool,
     /// Show and export every kernel of every engine, not only its fastest; --verbose does so too
     #[arg(long)]
@@ -254,6 +264,9 @@ pub(super) struct TraceArgs {
     /// Instruction set of the kernels; auto takes the widest of this machine
     #[arg(long, default_value = "auto", value_parser = one_of::<IsaChoice>())]
     pub(super) isa: IsaChoice,
+    /// How hits are decided: exact, or fast as other ray tracers do, which leaks at edges and vertices
+    #[arg(long, default_value = Visibility::default().name(), value_parser = one_of::<Visibility>())]
+    pub(super) visibility: Visibility,
     /// Time to spend on the tree
     #[arg(long, default_value = BuildPreset::default().name(), value_parser = one_of::<BuildPreset>())]
     pub(super) build: BuildPreset,

@@ -57,7 +57,7 @@ pub(super) fn run(args: &BenchArgs, talk: Talk) -> Result<()> {
 
     let shown = if args.all_modes || talk.verbose { rows.clone() } else { best_rows(&rows) };
     let table = bench_table(&shown);
-    let summary = bench_summary(&rows, &options.engines);
+    let summary = bench_summary(&rows, &options.engines, &options.visibility);
     let told = format!("{}\n{}", table.to_terminal(), summary.to_terminal());
     let stdout_taken = exports.is_stdout();
     exports.write_files(&shown.iter().map(BenchRow::from).collect::<Vec<_>>(), &table)?;
@@ -74,6 +74,7 @@ fn options(args: &BenchArgs) -> BenchOptions {
         kinds: once_each(&args.kinds),
         engines: once_each(&args.engines),
         isa: args.isa.isa(),
+        visibility: once_each(&args.visibility),
         rounds: args.rounds,
         threads: args.threads,
         pin: args.pin.pin(),

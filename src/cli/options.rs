@@ -31,7 +31,7 @@ pub(super) fn check(args: &RenderArgs) -> Result<()> {
 /// # Errors
 /// [`Error::Flag`] if the tiles are too small for the size.
 pub(super) fn render_options(args: &RenderArgs, scene: &Scene) -> Result<RenderOptions> {
-    let EngineArgs { threads, pin, isa, kernel, order, schedule, tile, build } = args.engine;
+    let EngineArgs { threads, pin, isa, visibility, kernel, order, schedule, tile, build } = args.engine;
     let size = args.size.unwrap_or(scene.size);
     check_tiles(size, tile)?;
     let isa = isa.isa();
@@ -39,6 +39,7 @@ pub(super) fn render_options(args: &RenderArgs, scene: &Scene) -> Result<RenderO
     Ok(RenderOptions {
         isa,
         kernel,
+        visibility,
         threads,
         pin: pin.pin(),
         order,

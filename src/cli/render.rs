@@ -70,7 +70,8 @@ fn warn_about(scene: &Scene, rendered: &Rendered) {
     }
     if let Some(nan) = rendered.nan {
         log::warn!(
-            "{} pixels, the first at ({}, {}), came out as NaN and were written black; please report this",
+            "{} pixels, the first at ({}, {}), came out as NaN or infinite and were written black; weaken the lights, or \
+             please report this",
             nan.count,
             nan.x,
             nan.y
@@ -99,7 +100,7 @@ fn summarise(
         schedule: options.schedule.to_string(),
         film: "shared".into(),
         tile: options.tile,
-        visibility: "exact".into(),
+        visibility: options.visibility.to_string(),
         effects: effects(scene),
         build: BuildSummary {
             seconds: rendered.build_seconds,
@@ -149,7 +150,10 @@ fn workers(frames: &[FrameReport]) -> Vec<WorkerSummary> {
 }
 
 fn counters(rendered: &Rendered, workers: &[WorkerSummary]) -> BTreeMap<String, u64> {
+    let sum = |doubts: fn(&FrameReport) -> u64| rendered.frames.iter().map(doubts).sum();
     BTreeMap::from([
+        ("exact_primary".into(), sum(|frame| frame.doubts.primary)),
+        ("exact_shadow".into(), sum(|frame| frame.doubts.shadow)),
         ("tiles".into(), workers.iter().map(|worker| worker.tiles).sum()),
         ("nan_pixels".into(), rendered.nan.map_or(0, |nan| nan.count)),
     ])

@@ -23,7 +23,7 @@ use std::time::Instant;
 /// # Errors
 /// Whatever is wrong with the arguments, the rays, the scene or the disk; no file is left behind then.
 pub(super) fn run(args: &TraceArgs, talk: Talk) -> Result<()> {
-    let kernels = choose_kernels(args.isa.isa())?;
+    let kernels = choose_kernels(args.isa.isa())?.with_visibility(args.visibility);
     if let (Ok(rays), Ok(hits)) = (canonicalize(&args.rays), canonicalize(&args.hits))
         && rays == hits
     {
@@ -44,33 +44,38 @@ pub(super) fn run(args: &TraceArgs, talk: Talk) -> Result<()> {
         pin_current_thread(slots[thread]);
     };
 
-    let (found, seconds) = if args.occluded {
+    let (found, doubts, seconds) = if args.occluded {
         let mut blocked = vec![0; rays.len()];
-        let seconds = time(|| traversal.occluded_batch(&rays, &mut blocked, slots.len(), &pin));
+        let (doubts, seconds) = time(|| traversal.occluded_batch(&rays, &mut blocked, slots.len(), &pin));
         write_blocked(output, &blocked)?;
-        (blocked.iter().filter(|&&blocked| blocked != 0).count(), seconds)
+        (blocked.iter().filter(|&&blocked| blocked != 0).count(), doubts, seconds)
     } else {
         let mut hits = vec![Hit::MISS; rays.len()];
-        let seconds = time(|| traversal.intersect_batch(&rays, &mut hits, slots.len(), &pin));
+        let (doubts, seconds) = time(|| traversal.intersect_batch(&rays, &mut hits, slots.len(), &pin));
         write_hits(output, &hits)?;
-        (hits.iter().filter(|hit| hit.prim != MISS).count(), seconds)
+        (hits.iter().filter(|hit| hit.prim != MISS).count(), doubts, seconds)
     };
-    if talk.quiet { Ok(()) } else { terminal::print(&summary(args, rays.len(), found, seconds, slots.len())) }
+    if talk.quiet {
+        Ok(())
+    } else {
+        terminal::print(&summary(args, rays.len(), found, doubts, seconds, slots.len()))
+    }
 }
 
-fn time(work: impl FnOnce()) -> f64 {
+fn time<T>(work: impl FnOnce() -> T) -> (T, f64) {
     let start = Instant::now();
-    work();
-    start.elapsed().as_secs_f64()
+    let result = work();
+    (result, start.elapsed().as_secs_f64())
 }
 
-fn summary(args: &TraceArgs, rays: usize, found: usize, seconds: f64, threads: usize) -> String {
+fn summary(args: &TraceArgs, rays: usize, found: usize, doubts: u64, seconds: f64, threads: usize) -> String {
     let speed = rays as f64 / seconds.max(1e-9) * 1e-6;
     format!(
-        "{} rays, {} {}, {} Mrays/s on {threads} thread{}; written to {}\n",
+        "{} rays, {} {}, {} triangles decided exactly, {} Mrays/s on {threads} thread{}; written to {}\n",
         count(rays as u64),
         count(found as u64),
         if args.occluded { "blocked" } else { "hits" },
+        count(doubts),
         significant(speed, 4),
         if threads == 1 { "" } else { "s" },
         args.hits.display()

@@ -2,7 +2,7 @@
 
 use crate::{
     bvh::BuildPreset,
-    kernels::Isa,
+    kernels::{Isa, Visibility},
     scene::{MAX_PIXELS, MAX_SIDE},
     schedule::Strategy,
     study::bench::{Engine, Kind},
@@ -35,7 +35,7 @@ macro_rules! modes {
     )*};
 }
 
-modes!(BuildPreset, Engine, Isa, KernelChoice, Kind, Order, Strategy);
+modes!(BuildPreset, Engine, Isa, KernelChoice, Kind, Order, Strategy, Visibility);
 
 /// What `--isa` takes.
 #[derive(Clone, Copy, Debug)]
@@ -188,6 +188,7 @@ mod tests {
             M::all().map(M::name).collect()
         }
         assert_eq!(names::<IsaChoice>(), ["auto", "scalar", "sse4.2", "avx2", "avx512"]);
+        assert_eq!(names::<Visibility>(), ["exact", "fast"]);
         assert!(names::<Order>().contains(&"hilbert") && names::<Strategy>().contains(&"dynamic"));
     }
 }

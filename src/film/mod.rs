@@ -18,11 +18,12 @@ pub struct Film {
     /// Bits of the red, green and blue values, row by row.
     planes: [Vec<AtomicU32>; 3],
     nan_count: AtomicU64,
-    /// Index of the first NaN pixel; `u64::MAX` if there is none.
+    /// Index of the first such pixel; `u64::MAX` if there is none.
     nan_first: AtomicU64,
 }
 
-/// Pixels whose colour was not a number. They are black in the film, and somebody has a defect to mend.
+/// Pixels whose colour was not a finite number: NaN or infinite. They are black in the film, and somebody has a defect to
+/// mend or lights beyond the range of f32.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NanPixels {
     /// How many there are.
@@ -58,7 +59,8 @@ impl Film {
     }
 
     /// Stores the colours of `tile`: element `y * tile.width + x` of each slice belongs to the pixel in column `x` and
-    /// row `y` of the tile. A pixel with a NaN in any channel becomes black and is counted (see [`Film::nan`]).
+    /// row `y` of the tile. A pixel that is NaN or infinite in any channel becomes black and is counted (see
+    /// [`Film::nan`]).
     ///
     /// # Panics
     ///
@@ -76,15 +78,15 @@ impl Film {
             for (plane, values) in self.planes.iter().zip(rows) {
                 store(&plane[to..to + width], values);
             }
-            if rows.iter().any(|values| has_nan(values)) {
-                self.blacken_nans(to, rows);
+            if !rows.iter().all(|values| all_finite(values)) {
+                self.blacken(to, rows);
             }
         }
     }
 
     #[cold]
-    fn blacken_nans(&self, to: usize, rows: [&[f32]; 3]) {
-        for i in (0..rows[0].len()).filter(|&i| rows.iter().any(|values| values[i].is_nan())) {
+    fn blacken(&self, to: usize, rows: [&[f32]; 3]) {
+        for i in (0..rows[0].len()).filter(|&i| rows.iter().any(|values| !values[i].is_finite())) {
             for plane in &self.planes {
                 plane[to + i].store(0, Ordering::Relaxed);
             }
@@ -93,7 +95,7 @@ impl Film {
         }
     }
 
-    /// The pixels that were NaN when they were written; `None` if all is well.
+    /// The pixels that were NaN or infinite when they were written; `None` if all is well.
     pub fn nan(&self) -> Option<NanPixels> {
         let count = self.nan_count.load(Ordering::Relaxed);
         let first = self.nan_first.load(Ordering::Relaxed);
@@ -141,8 +143,8 @@ fn store(cells: &[AtomicU32], values: &[f32]) {
 }
 
 /// Without an early exit, so that it is a few vector instructions.
-fn has_nan(values: &[f32]) -> bool {
-    values.iter().fold(false, |nan, value| nan | value.is_nan())
+fn all_finite(values: &[f32]) -> bool {
+    values.iter().fold(true, |finite, value| finite & value.is_finite())
 }
 
 #[cfg(test)]
@@ -178,15 +180,21 @@ mod tests {
     }
 
     #[test]
-    fn nan_becomes_black_and_is_counted_with_the_first_place() {
+    fn nan_and_infinity_become_black_and_are_counted_with_the_first_place() {
         let film = Film::new(4, 4);
         let tile = Tile { x: 1, y: 1, width: 2, height: 2 };
         let nan = f32::NAN;
-        film.write_tile(tile, &[1.0, 1.0, 1.0, 1.0], &[1.0, nan, 1.0, 1.0], &[1.0, nan, nan, f32::INFINITY]);
+        film.write_tile(tile, &[1.0, 1.0, 1.0, 1.0], &[1.0, nan, 1.0, 1.0], &[1.0, nan, nan, 3.0e38]);
         assert_eq!(film.nan(), Some(NanPixels { count: 2, x: 2, y: 1 }));
         let pixels: Vec<_> = film.pixels().collect();
         assert_eq!([pixels[5], pixels[6], pixels[9]], [[1.0; 3], [0.0; 3], [0.0; 3]]);
-        assert_eq!(pixels[10], [1.0, 1.0, f32::INFINITY]);
+        assert_eq!(pixels[10], [1.0, 1.0, 3.0e38]);
+        for (x, infinite) in [(3, f32::INFINITY), (0, -f32::INFINITY)] {
+            let one = Tile { x, y: 0, width: 1, height: 1 };
+            film.write_tile(one, &[infinite], &[1.0], &[1.0]);
+            assert_eq!(film.row(0).nth(x as usize), Some([0.0; 3]));
+        }
+        assert_eq!(film.nan(), Some(NanPixels { count: 4, x: 0, y: 0 }));
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::{
     camera::Camera,
     error::{Error, Result},
     film::{Film, NanPixels},
-    kernels::{Isa, Kernels},
+    kernels::{Isa, Kernels, Visibility},
     scene::Scene,
     schedule::{Control, Machine, Placement, Strategy, WorkerStats, with_workers},
     shade::SurfaceTable,
@@ -30,6 +30,8 @@ pub struct RenderOptions {
     pub isa: Option<Isa>,
     /// Kernel for rays with a common origin.
     pub kernel: KernelChoice,
+    /// How hits are decided.
+    pub visibility: Visibility,
     /// Workers; `None` takes one per core.
     pub threads: Option<usize>,
     /// Pin each worker to a core.
@@ -50,7 +52,7 @@ pub struct RenderOptions {
     pub seed: u64,
 }
 
-/// Rays traced, by kind.
+/// A number for each kind of rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RayTally {
     /// From the camera.
@@ -66,6 +68,8 @@ pub struct FrameReport {
     pub seconds: f64,
     /// Rays traced.
     pub rays: RayTally,
+    /// Pairs of a ray and a triangle that were in doubt and decided exactly, by the kind of the ray.
+    pub doubts: RayTally,
     /// Seconds the workers spent tracing, all together.
     pub trace_seconds: f64,
     /// Seconds the workers spent on everything else, all together.
@@ -89,11 +93,12 @@ pub struct Rendered {
     pub tree_bytes: usize,
     /// One entry per frame.
     pub frames: Vec<FrameReport>,
-    /// Pixels that came out as NaN and were written black: a defect to report.
+    /// Pixels that came out as NaN or infinite and were written black: a defect to report, or lights beyond the range of
+    /// f32.
     pub nan: Option<NanPixels>,
 }
 
-/// Chooses the kernels that `isa` asks for.
+/// Chooses the kernels that `isa` asks for, with exact visibility.
 ///
 /// # Errors
 /// [`Error::Flag`] if this machine lacks that instruction set.
@@ -110,9 +115,11 @@ pub fn choose_kernels(isa: Option<Isa>) -> Result<Kernels> {
 ///
 /// # Errors
 /// [`Error::Flag`] for an instruction set that this machine lacks, [`Error::Interrupted`] if `control` was cancelled,
-/// [`Error::Worker`] if a tile panicked, [`Error::Failed`] if the tree cannot be built.
+/// [`Error::Worker`] if a tile panicked, [`Error::Failed`] if the scene breaks a promise (see [`Scene::check`]) or the
+/// tree cannot be built.
 pub fn render(scene: &Scene, options: &RenderOptions, control: &Control) -> Result<Rendered> {
-    let kernels = choose_kernels(options.isa)?;
+    let kernels = choose_kernels(options.isa)?.with_visibility(options.visibility);
+    scene.check()?;
     // The machine is enumerated and the tree built before any thread is pinned: pins are inherited.
     let placement = Placement::new(Machine::get(), options.threads, options.pin);
     let start = Instant::now();
@@ -139,6 +146,7 @@ pub fn render(scene: &Scene, options: &RenderOptions, control: &Control) -> Resu
             frames.push(FrameReport {
                 seconds: stats.seconds,
                 rays: sum.rays,
+                doubts: sum.doubts,
                 trace_seconds: sum.trace.as_secs_f64(),
                 shade_seconds: sum.shade.as_secs_f64(),
                 image_sha256: film.sha256(),

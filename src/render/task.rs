@@ -10,7 +10,7 @@ use crate::{
     schedule::TileTask,
     shade::{LightRays, SurfaceTable, Surfaces, add_light, light_rays},
     tile::Tile,
-    trace::{KernelChoice, NO_OCCLUDER, PointShadows, ShadowRays, Traversal},
+    trace::{KernelChoice, NO_OCCLUDER, PointShadows, ShadowRays, Traced, Traversal},
 };
 use std::time::{Duration, Instant};
 
@@ -31,6 +31,7 @@ pub(super) struct Frame {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TileReport {
     pub(super) rays: RayTally,
+    pub(super) doubts: RayTally,
     pub(super) trace: Duration,
     pub(super) shade: Duration,
 }
@@ -39,6 +40,8 @@ impl TileReport {
     pub(super) fn add(&mut self, other: &TileReport) {
         self.rays.primary += other.rays.primary;
         self.rays.shadow += other.rays.shadow;
+        self.doubts.primary += other.doubts.primary;
+        self.doubts.shadow += other.doubts.shadow;
         self.trace += other.trace;
         self.shade += other.shade;
     }
@@ -112,7 +115,7 @@ impl RenderTask<'_> {
             let used = frame.camera.rays(self.traversal.kernels(), at, inside, packets);
             for packet in &packets[..used] {
                 clock.shade();
-                self.traversal.intersect(packet, tile_scratch, hits);
+                clock.report.doubts.primary += self.traversal.intersect(packet, tile_scratch, hits);
                 clock.trace();
                 surfaces.gather(self.traversal.kernels(), self.table, index, packet, hits);
             }
@@ -126,7 +129,7 @@ impl RenderTask<'_> {
         let kernels = self.traversal.kernels();
         light_rays(kernels, self.table, surfaces, light, rays);
         clock.shade();
-        clock.report.rays.shadow += match *light {
+        let traced = match *light {
             Light::Point { position, .. } | Light::Spot { position, .. } => {
                 let stream = ShadowRays {
                     u: &rays.u,
@@ -139,11 +142,12 @@ impl RenderTask<'_> {
                 shadows.trace(&self.traversal, origin, &stream, &mut seeds[index], &mut rays.visible)
             }
             Light::Directional { direction, .. } => {
-                let mut traced = 0;
+                let mut traced = Traced::default();
                 for i in 0..rays.visible.len() {
                     if rays.visible[i] > 0.0 {
-                        traced += 1;
-                        if self.traversal.occluded_ray(&rays.directional_ray(surfaces, i, direction)) {
+                        traced.rays += 1;
+                        let ray = rays.directional_ray(surfaces, i, direction);
+                        if self.traversal.occluded_ray(&ray, &mut traced.doubts) {
                             rays.visible[i] = 0.0;
                         }
                     }
@@ -151,6 +155,8 @@ impl RenderTask<'_> {
                 traced
             }
         };
+        clock.report.rays.shadow += traced.rays;
+        clock.report.doubts.shadow += traced.doubts;
         clock.trace();
         add_light(kernels, light, rays, surfaces);
     }

@@ -1,7 +1,10 @@
 //! Tables and machine-readable rows of `irt bench`.
 
 use super::{Cell, Statistics, Table};
-use crate::study::bench::{Engine, Kind, Row};
+use crate::{
+    kernels::Visibility,
+    study::bench::{Engine, Kind, Row},
+};
 use serde::Serialize;
 
 /// One row of `--export-json`.
@@ -12,6 +15,7 @@ pub struct BenchRow<'a> {
     engine: &'static str,
     isa: &'a str,
     kernel: &'a str,
+    visibility: Option<&'static str>,
     width: usize,
     threads: usize,
     rays: u64,
@@ -29,6 +33,7 @@ impl<'a> From<&'a Row> for BenchRow<'a> {
             engine: row.engine.name(),
             isa: &row.isa,
             kernel: &row.kernel,
+            visibility: row.visibility.map(Visibility::name),
             width: row.width,
             threads: row.threads,
             rays: row.rays,
@@ -43,8 +48,21 @@ impl<'a> From<&'a Row> for BenchRow<'a> {
 /// All rows as a table.
 pub fn bench_table(rows: &[Row]) -> Table {
     let mut table = Table::new([
-        "scene", "kind", "engine", "isa", "kernel", "width", "threads", "rays", "hits", "rounds", "Mrays/s",
-        "min", "max", "agrees",
+        "scene",
+        "kind",
+        "engine",
+        "isa",
+        "kernel",
+        "visibility",
+        "width",
+        "threads",
+        "rays",
+        "hits",
+        "rounds",
+        "Mrays/s",
+        "min",
+        "max",
+        "agrees",
     ]);
     for row in rows {
         let statistics = Statistics::of(&row.mrays_per_s);
@@ -54,6 +72,7 @@ pub fn bench_table(rows: &[Row]) -> Table {
             row.engine.name().into(),
             row.isa.as_str().into(),
             row.kernel.as_str().into(),
+            row.visibility.map(|v| v.name().to_string()).into(),
             row.width.into(),
             row.threads.into(),
             row.rays.into(),
@@ -68,18 +87,22 @@ pub fn bench_table(rows: &[Row]) -> Table {
     table
 }
 
-/// The best mode of each engine for each scene and kind, irt's ratio to the others, and the geometric mean of the
-/// ratios by kind.
-pub fn bench_summary(rows: &[Row], engines: &[Engine]) -> Table {
-    let others: Vec<Engine> = engines.iter().copied().filter(|&engine| engine != Engine::Irt).collect();
-    let mut columns = vec!["scene".to_string(), "kind".into(), "irt".into()];
-    for engine in &others {
-        columns.push(engine.to_string());
-        columns.push(format!("irt / {engine}"));
+/// The speed of irt's best mode for each scene and kind, that of its rivals (other engines, or irt with another
+/// visibility), irt's ratio to them, and the geometric mean of the ratios by kind. The first visibility is irt's.
+pub fn bench_summary(rows: &[Row], engines: &[Engine], visibility: &[Visibility]) -> Table {
+    let rivals = rivals(engines, visibility);
+    let first = visibility.first().copied();
+    let ours = match visibility {
+        [_] => "irt".to_string(),
+        _ => format!("irt {}", first.unwrap_or_default()),
+    };
+    let mut columns = vec!["scene".to_string(), "kind".into(), ours.clone()];
+    for (name, _) in &rivals {
+        columns.extend([name.clone(), format!("{ours} / {name}")]);
     }
     let mut table = Table::new(columns);
     for kind in Kind::ALL {
-        let mut logs = vec![Vec::new(); others.len()];
+        let mut logs = vec![Vec::new(); rivals.len()];
         let mut scenes: Vec<&str> =
             rows.iter().filter(|row| row.kind == kind).map(|row| row.scene.as_str()).collect();
         scenes.dedup();
@@ -87,11 +110,10 @@ pub fn bench_summary(rows: &[Row], engines: &[Engine]) -> Table {
             continue;
         }
         for scene in scenes {
-            let best = |engine: Engine| best(rows, scene, kind, engine);
-            let ours = best(Engine::Irt);
+            let ours = best(rows, scene, kind, (Engine::Irt, first));
             let mut cells: Vec<Cell> = vec![scene.into(), kind.name().into(), ours.into()];
-            for (log, &engine) in logs.iter_mut().zip(&others) {
-                let theirs = best(engine);
+            for (log, &(_, rival)) in logs.iter_mut().zip(&rivals) {
+                let theirs = best(rows, scene, kind, rival);
                 let ratio = ours.zip(theirs).map(|(ours, theirs)| ours / theirs);
                 log.extend(ratio.map(f64::ln));
                 cells.extend([theirs.into(), ratio.into()]);
@@ -108,9 +130,23 @@ pub fn bench_summary(rows: &[Row], engines: &[Engine]) -> Table {
     table
 }
 
-fn best(rows: &[Row], scene: &str, kind: Kind, engine: Engine) -> Option<f64> {
+/// An engine, with a visibility if it has several.
+type Rival = (Engine, Option<Visibility>);
+
+/// The names of those that irt is compared with.
+fn rivals(engines: &[Engine], visibility: &[Visibility]) -> Vec<(String, Rival)> {
+    let others = engines.iter().filter(|&&engine| engine != Engine::Irt);
+    let mut rivals: Vec<_> = others.map(|&engine| (engine.to_string(), (engine, None))).collect();
+    if engines.contains(&Engine::Irt) {
+        rivals.extend(visibility.iter().skip(1).map(|&v| (format!("irt {v}"), (Engine::Irt, Some(v)))));
+    }
+    rivals
+}
+
+fn best(rows: &[Row], scene: &str, kind: Kind, (engine, visibility): Rival) -> Option<f64> {
     rows.iter()
-        .filter(|row| row.scene == scene && row.kind == kind && row.engine == engine)
+        .filter(|row| row.scene == scene && row.kind == kind)
+        .filter(|row| row.engine == engine && row.visibility == visibility)
         .filter_map(|row| Statistics::of(&row.mrays_per_s))
         .map(|statistics| statistics.median)
         .max_by(f64::total_cmp)

@@ -132,6 +132,7 @@ impl Display for Summary {
             self.tile, self.order, self.schedule
         )?;
         self.fmt_rays(f)?;
+        self.fmt_exact(f)?;
         let StageSeconds { load, build, trace, shade, write } = self.stages;
         let stages = [("load", load), ("build", build), ("trace", trace), ("shade", shade), ("write", write)];
         let stages = stages.map(|(name, seconds)| format!("{name} {}", significant(seconds, 3))).join(", ");
@@ -163,6 +164,18 @@ impl Summary {
             1 => writeln!(f, "speed    {median} Mrays/s"),
             frames => writeln!(f, "speed    {median} Mrays/s (median of {frames} frames, {min} to {max})"),
         }
+    }
+
+    /// How many pairs of a ray and a triangle exact arithmetic had to decide, and how that compares with the rays.
+    fn fmt_exact(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let counters = ["exact_primary", "exact_shadow"].map(|name| self.counters.get(name));
+        let exact: u64 = counters.into_iter().flatten().sum();
+        let rays: u64 = self.frames.iter().map(|frame| frame.rays.total()).sum();
+        if counters.iter().all(Option::is_none) || self.visibility != "exact" || rays == 0 {
+            return Ok(());
+        }
+        let share = significant(100.0 * exact as f64 / rays as f64, 3);
+        writeln!(f, "exact    {} tests in doubt, {share} per 100 rays", count(exact))
     }
 
     /// Where the workers ran, with equal places counted once.
@@ -201,14 +214,18 @@ mod tests {
             schedule: "dynamic".into(),
             film: "shared".into(),
             tile: 64,
-            visibility: "fast".into(),
+            visibility: "exact".into(),
             effects: vec!["direct light".into()],
             build: BuildSummary { seconds: 0.25, bytes: 20 << 20, preset: "medium".into() },
             load_seconds: 0.125,
             frames: vec![frame; frames],
             stages: StageSeconds { load: 0.125, build: 0.25, trace: 0.04, shade: 0.01, write: 0.02 },
             workers: vec![worker("cpu 0"), worker("cpu 2"), worker("unpinned"), worker("unpinned")],
-            counters: BTreeMap::from([("tiles".into(), 256)]),
+            counters: BTreeMap::from([
+                ("tiles".into(), 256),
+                ("exact_primary".into(), 3000),
+                ("exact_shadow".into(), 4000),
+            ]),
         }
     }
 
@@ -217,11 +234,12 @@ mod tests {
         let expected = "\
 scene    atrium: 262,144 triangles, 1000x1000 pixels
 tree     20.0 MiB in 0.250 s (medium build)
-kernel   tile on avx512, fast visibility
+kernel   tile on avx512, exact visibility
 workers  4: cpu 0, cpu 2, 2 unpinned
 tiles    64 pixels square, hilbert order, dynamic schedule
 rays     1,000,000 primary, 2,500,000 shadow
 speed    70.00 Mrays/s
+exact    7,000 tests in doubt, 0.200 per 100 rays
 seconds  load 0.125, build 0.250, trace 0.0400, shade 0.0100, write 0.0200
 ";
         assert_eq!(summary(1).to_string(), expected);

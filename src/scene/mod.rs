@@ -4,6 +4,7 @@
 //! triangle list, because that is what a tree is built over; [`Part`]s remember which range came from which mesh.
 
 mod area;
+mod check;
 mod description;
 mod framing;
 mod inspect;

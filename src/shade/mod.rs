@@ -10,6 +10,7 @@
 
 mod direct;
 mod power;
+pub mod spawn;
 mod surface;
 mod table;
 

@@ -13,7 +13,10 @@ use crate::kernels::{
     Face, Hit, HitBlock, MISS, NodeRef, Ray, RayBlock, SUB, SUBS, TILE_RAYS, TileHits, TilePacket,
     TileScratch,
 };
-use std::sync::{Mutex, PoisonError};
+use std::sync::{
+    Mutex, PoisonError,
+    atomic::{AtomicU64, Ordering},
+};
 
 /// Rays that a thread takes at once.
 const CHUNK: usize = 4096;
@@ -22,7 +25,7 @@ const CLOSE: f32 = 0.1;
 
 impl Traversal<'_> {
     /// First hits of `rays` on `threads` threads. Each thread calls `start` with its number first, for instance to
-    /// pin itself.
+    /// pin itself. Returns how many pairs of a ray and a triangle exact arithmetic decided.
     ///
     /// # Panics
     /// If there is not one hit per ray.
@@ -32,21 +35,23 @@ impl Traversal<'_> {
         hits: &mut [Hit],
         threads: usize,
         start: &(impl Fn(usize) + Sync),
-    ) {
+    ) -> u64 {
         share(rays, hits, threads, start, |buffers, rays, hits| {
             let Buffers { scratch, stream, blocks, met, .. } = buffers;
             let mut found = TileHits::new();
+            let mut doubts = 0;
             let packet = |packet: &TilePacket, members: &[u32]| {
-                self.intersect(packet, scratch, &mut found);
+                doubts += self.intersect(packet, scratch, &mut found);
                 members.iter().enumerate().for_each(|(i, &ray)| hits[ray as usize] = found.hit(i));
             };
             let numbers = others(rays, packet, blocks);
             met.resize(blocks.len(), HitBlock::MISS);
-            stream.intersect(self, blocks, met);
+            doubts += stream.intersect(self, blocks, met);
             for (i, &ray) in numbers.iter().enumerate() {
                 hits[ray as usize] = met[i / SUB].get(i % SUB);
             }
-        });
+            doubts
+        })
     }
 
     /// Which of `rays` are blocked, as 1 or 0; otherwise as [`Traversal::intersect_batch`].
@@ -59,24 +64,26 @@ impl Traversal<'_> {
         blocked: &mut [u8],
         threads: usize,
         start: &(impl Fn(usize) + Sync),
-    ) {
+    ) -> u64 {
         share(rays, blocked, threads, start, |buffers, rays, blocked| {
             let Buffers { scratch, stream, blocks, stopped, .. } = buffers;
             let mut seed: NodeRef = super::NO_OCCLUDER;
+            let mut doubts = 0;
             let packet = |packet: &TilePacket, members: &[u32]| {
                 let mut bits = [0; SUBS];
-                self.occluded(packet, scratch, &mut seed, &mut bits);
+                doubts += self.occluded(packet, scratch, &mut seed, &mut bits);
                 for (i, &ray) in members.iter().enumerate() {
                     blocked[ray as usize] = (bits[i / SUB] >> (i % SUB) & 1) as u8;
                 }
             };
             let numbers = others(rays, packet, blocks);
             stopped.resize(blocks.len(), 0);
-            stream.occluded(self, blocks, stopped);
+            doubts += stream.occluded(self, blocks, stopped);
             for (i, &ray) in numbers.iter().enumerate() {
                 blocked[ray as usize] = (stopped[i / SUB] >> (i % SUB) & 1) as u8;
             }
-        });
+            doubts
+        })
     }
 }
 
@@ -91,29 +98,31 @@ struct Buffers {
     stopped: Vec<u16>,
 }
 
-/// Hands out chunks of rays, each with its results, to threads.
+/// Hands out chunks of rays, each with its results, to threads; the sum of what `trace` returns.
 fn share<T: Send>(
     rays: &[Ray],
     results: &mut [T],
     threads: usize,
     start: &(impl Fn(usize) + Sync),
-    trace: impl Fn(&mut Buffers, &[Ray], &mut [T]) + Sync,
-) {
+    trace: impl Fn(&mut Buffers, &[Ray], &mut [T]) -> u64 + Sync,
+) -> u64 {
     assert_eq!(rays.len(), results.len(), "a batch needs one result per ray");
     let chunks = Mutex::new(rays.chunks(CHUNK).zip(results.chunks_mut(CHUNK)));
     let next = || chunks.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let sum = AtomicU64::new(0);
     std::thread::scope(|scope| {
         for thread in 0..threads.max(1) {
-            let (next, trace) = (&next, &trace);
+            let (next, trace, sum) = (&next, &trace, &sum);
             scope.spawn(move || {
                 start(thread);
                 let mut buffers = Buffers::default();
                 while let Some((rays, results)) = next() {
-                    trace(&mut buffers, rays, results);
+                    sum.fetch_add(trace(&mut buffers, rays, results), Ordering::Relaxed);
                 }
             });
         }
     });
+    sum.into_inner()
 }
 
 /// The numbers of the rays that [`packets`] returns; they themselves go into `blocks`.

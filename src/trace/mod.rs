@@ -4,7 +4,7 @@ mod batch;
 mod shadow;
 mod stream;
 
-pub use shadow::{NO_OCCLUDER, PointShadows, ShadowRays};
+pub use shadow::{NO_OCCLUDER, PointShadows, ShadowRays, Traced};
 pub use stream::RayStream;
 
 use crate::{
@@ -80,15 +80,18 @@ impl<'a> Traversal<'a> {
         self.kernels.run(Fetch(packet));
     }
 
-    /// First hits of the active rays of a packet; hits of other rays are left as they are.
-    pub fn intersect(&self, packet: &TilePacket, scratch: &mut TileScratch, hits: &mut TileHits) {
+    /// First hits of the active rays of a packet; hits of other rays are left as they are. Like all functions for many
+    /// rays, it returns how many pairs of a ray and a triangle exact arithmetic had to decide.
+    pub fn intersect(&self, packet: &TilePacket, scratch: &mut TileScratch, hits: &mut TileHits) -> u64 {
         match self.choice {
             KernelChoice::Tile => self.kernels.tile_intersect(&self.view, packet, scratch, hits),
             KernelChoice::Single => {
+                let mut doubts = 0;
                 for ray in active_rays(packet) {
-                    let hit = self.kernels.intersect(&self.view, &packet.ray(ray));
+                    let hit = self.kernels.intersect_counted(&self.view, &packet.ray(ray), &mut doubts);
                     (hits.prim[ray], hits.t[ray], hits.u[ray], hits.v[ray]) = (hit.prim, hit.t, hit.u, hit.v);
                 }
+                doubts
             }
         }
     }
@@ -101,15 +104,17 @@ impl<'a> Traversal<'a> {
         scratch: &mut TileScratch,
         seed: &mut NodeRef,
         blocked: &mut [u16; SUBS],
-    ) {
+    ) -> u64 {
         match self.choice {
             KernelChoice::Tile => self.kernels.tile_occluded(&self.view, packet, scratch, seed, blocked),
             KernelChoice::Single => {
                 *blocked = [0; SUBS];
+                let mut doubts = 0;
                 for ray in active_rays(packet) {
-                    let hit = self.kernels.occluded(&self.view, &packet.ray(ray));
+                    let hit = self.kernels.occluded_counted(&self.view, &packet.ray(ray), &mut doubts);
                     blocked[ray / SUB] |= u16::from(hit) << (ray % SUB);
                 }
+                doubts
             }
         }
     }
@@ -127,8 +132,8 @@ impl<'a> Traversal<'a> {
         picks: &[Pick],
         flight: &mut Flight,
         hits: &mut [HitBlock],
-    ) {
-        self.kernels.intersect_each(&self.view, blocks, picks, flight, hits);
+    ) -> u64 {
+        self.kernels.intersect_each(&self.view, blocks, picks, flight, hits)
     }
 
     /// Which of any rays, which need have nothing in common, are blocked. As [`Kernels::occluded_each`].
@@ -138,13 +143,13 @@ impl<'a> Traversal<'a> {
         picks: &[Pick],
         flight: &mut Flight,
         blocked: &mut [u16],
-    ) {
-        self.kernels.occluded_each(&self.view, blocks, picks, flight, blocked);
+    ) -> u64 {
+        self.kernels.occluded_each(&self.view, blocks, picks, flight, blocked)
     }
 
     /// First hits of rays of up to 16 blocks that should fly about the same way. As [`Kernels::beam_intersect`].
-    pub fn intersect_beam(&self, blocks: &[RayBlock], picks: &[Pick], hits: &mut [HitBlock]) {
-        self.kernels.beam_intersect(&self.view, blocks, picks, hits);
+    pub fn intersect_beam(&self, blocks: &[RayBlock], picks: &[Pick], hits: &mut [HitBlock]) -> u64 {
+        self.kernels.beam_intersect(&self.view, blocks, picks, hits)
     }
 
     /// Which rays of up to 16 blocks that should fly about the same way are blocked. As [`Kernels::beam_occluded`].
@@ -154,13 +159,13 @@ impl<'a> Traversal<'a> {
         picks: &[Pick],
         seed: &mut NodeRef,
         blocked: &mut [u16],
-    ) {
-        self.kernels.beam_occluded(&self.view, blocks, picks, seed, blocked);
+    ) -> u64 {
+        self.kernels.beam_occluded(&self.view, blocks, picks, seed, blocked)
     }
 
-    /// True if a single ray is blocked.
-    pub fn occluded_ray(&self, ray: &Ray) -> bool {
-        self.kernels.occluded(&self.view, ray)
+    /// True if a single ray is blocked; adds to `doubts` the number of triangles that exact arithmetic decided.
+    pub fn occluded_ray(&self, ray: &Ray, doubts: &mut u64) -> bool {
+        self.kernels.occluded_counted(&self.view, ray, doubts)
     }
 }
 

@@ -24,6 +24,7 @@ use crate::{
     packet::{Hit, HitBlock, Pick, Ray, RayBlock, SUB},
     simd::Simd,
     vector::I32,
+    visibility::Policy,
 };
 
 /// Rays on their way at once. With more, branches at the ends of loops are mispredicted less often; with many more,
@@ -36,30 +37,32 @@ const LINES: usize = 5;
 /// Covers the rounding of differences, reciprocals, products and of this factor itself, generously.
 const WIDEN: f32 = 1.0 + 8.0 * f32::EPSILON;
 
-/// First hits of the active rays of the blocks that `picks` names, by block; the others keep what was there.
+/// First hits of the active rays of the blocks that `picks` names, by block; the others keep what was there. Returns how
+/// many pairs of a ray and a triangle were decided exactly.
 #[inline(always)]
-pub(crate) fn intersect<S: Simd>(
+pub(crate) fn intersect<S: Simd, V: Policy>(
     s: S,
     bvh: &BvhView,
     blocks: &[RayBlock],
     picks: &[Pick],
     flight: &mut Flight,
     hits: &mut [HitBlock],
-) {
-    fly::<S, false>(s, bvh, Queue::new(blocks, picks), flight, &mut Hits(hits));
+) -> u64 {
+    fly::<S, V, false>(s, bvh, Queue::new(blocks, picks), flight, &mut Hits(hits))
 }
 
 /// Which active rays of the blocks that `picks` names hit anything: bits like [`RayBlock::active`], by block.
+/// Returns what [`intersect`] does.
 #[inline(always)]
-pub(crate) fn occluded<S: Simd>(
+pub(crate) fn occluded<S: Simd, V: Policy>(
     s: S,
     bvh: &BvhView,
     blocks: &[RayBlock],
     picks: &[Pick],
     flight: &mut Flight,
     blocked: &mut [u16],
-) {
-    fly::<S, true>(s, bvh, Queue::new(blocks, picks), flight, &mut Blocked(blocked));
+) -> u64 {
+    fly::<S, V, true>(s, bvh, Queue::new(blocks, picks), flight, &mut Blocked(blocked))
 }
 
 /// The rays that wait to be put on their way.
@@ -137,7 +140,7 @@ impl Landing for Blocked<'_> {
 #[derive(Clone, Debug)]
 struct Flyer {
     ray: TravRay,
-    /// Reciprocal directions, times [`WIDEN`].
+    /// Reciprocal directions, times [`widen`].
     far_rdir: [f32; 3],
     /// At least the ray parameter of the best hit.
     reach: f32,
@@ -194,17 +197,18 @@ fn take_first(bits: &mut u32) -> usize {
 
 /// Traces all rays.
 #[inline(always)]
-fn fly<S: Simd, const ANY: bool>(
+fn fly<S: Simd, V: Policy, const ANY: bool>(
     s: S,
     bvh: &BvhView,
     mut queue: Queue,
     flight: &mut Flight,
     landing: &mut impl Landing,
-) {
+) -> u64 {
+    let mut doubts = 0;
     let flyers: &mut [Flyer; FLIGHT] = flight.flyers.as_mut_slice().try_into().expect("a flight is full");
     let mut waiting = Waiting::default();
     for (flyer, at) in flyers.iter_mut().enumerate() {
-        if let Some(next) = at.start_next(bvh, &mut queue, landing) {
+        if let Some(next) = at.start_next::<V>(bvh, &mut queue, landing) {
             waiting.push(flyer, next);
         }
     }
@@ -220,18 +224,26 @@ fn fly<S: Simd, const ANY: bool>(
         let mut leafs = std::mem::take(&mut waiting.leafs);
         while leafs != 0 {
             let flyer = take_first(&mut leafs);
-            waiting.push(flyer, flyers[flyer].leaf::<S, ANY>(s, bvh));
+            waiting.push(flyer, flyers[flyer].leaf::<S, V, ANY>(s, bvh));
         }
         let mut done = std::mem::take(&mut waiting.done);
         while done != 0 {
             let flyer = take_first(&mut done);
             let at = &mut flyers[flyer];
             landing.land(bvh, at.number, &at.ray, &at.best);
-            if let Some(next) = at.start_next(bvh, &mut queue, landing) {
+            doubts += u64::from(at.best.doubts);
+            if let Some(next) = at.start_next::<V>(bvh, &mut queue, landing) {
                 waiting.push(flyer, next);
             }
         }
     }
+    doubts
+}
+
+/// [`WIDEN`], or 1 where nothing is padded.
+#[inline(always)]
+fn widen<V: Policy>() -> f32 {
+    if V::EXACT { WIDEN } else { 1.0 }
 }
 
 impl Flyer {
@@ -240,7 +252,7 @@ impl Flyer {
         far_rdir: [0.0; 3],
         reach: 0.0,
         octant: 0,
-        best: Best { lo: 0.0, hi: 0.0, reach: 0.0, slot: NO_SLOT },
+        best: Best { lo: 0.0, hi: 0.0, reach: 0.0, slot: NO_SLOT, doubts: 0 },
         number: 0,
         len: 0,
         nodes: [0; STACK + SLACK],
@@ -249,7 +261,7 @@ impl Flyer {
 
     /// Puts the next valid ray on its way, if there is one.
     #[inline(always)]
-    fn start_next(
+    fn start_next<V: Policy>(
         &mut self,
         bvh: &BvhView,
         queue: &mut Queue,
@@ -259,18 +271,18 @@ impl Flyer {
             let (number, ray) = queue.next()?;
             match TravRay::new(&ray) {
                 None => landing.land_invalid(number),
-                Some(ray) => return Some(self.start(bvh, ray, number)),
+                Some(ray) => return Some(self.start::<V>(bvh, ray, number)),
             }
         }
     }
 
     /// Puts a ray on its way.
     #[inline(always)]
-    fn start(&mut self, bvh: &BvhView, ray: TravRay, number: usize) -> NodeRef {
-        self.far_rdir = ray.rdir.map(|x| x * WIDEN);
+    fn start<V: Policy>(&mut self, bvh: &BvhView, ray: TravRay, number: usize) -> NodeRef {
+        self.far_rdir = ray.rdir.map(|x| x * widen::<V>());
         self.octant = ray.negative[0] | ray.negative[1] << 1 | ray.negative[2] << 2;
         self.best = Best::none(&ray);
-        self.reach = self.best.reach * WIDEN;
+        self.reach = self.best.reach * widen::<V>();
         self.ray = ray;
         self.number = number;
         self.nodes[0] = EMPTY_NODE.raw();
@@ -330,15 +342,15 @@ impl Flyer {
 
     /// Tests the triangles of the topmost entry, a leaf, and removes it.
     #[inline(always)]
-    fn leaf<S: Simd, const ANY: bool>(&mut self, s: S, bvh: &BvhView) -> NodeRef {
+    fn leaf<S: Simd, V: Policy, const ANY: bool>(&mut self, s: S, bvh: &BvhView) -> NodeRef {
         let before = self.best.slot;
-        leaf(s, bvh, &self.ray, self.next(), &mut self.best);
+        leaf::<S, V>(s, bvh, &self.ray, self.next(), &mut self.best);
         self.len -= 1;
         if self.best.slot != before {
             if ANY {
                 self.len = 1;
             } else {
-                self.shorten(s);
+                self.shorten::<S, V>(s);
             }
         }
         self.fetch_next(s, bvh)
@@ -346,8 +358,8 @@ impl Flyer {
 
     /// Removes what lies behind the best hit.
     #[inline(always)]
-    fn shorten<S: Simd>(&mut self, s: S) {
-        self.reach = self.best.reach * WIDEN;
+    fn shorten<S: Simd, V: Policy>(&mut self, s: S) {
+        self.reach = self.best.reach * widen::<V>();
         let reach = F8::splat(s, self.reach);
         let (mut from, mut to) = (1, 1);
         while from < self.len {

@@ -19,13 +19,15 @@
 //!   where it is not, the triangle is *doubtful* and every ray that might meet it is decided exactly.
 //! * [`TINY`] covers underflow.
 //!
-//! The bounds are folded into the constant coefficients, so that testing "possibly inside" costs nothing extra.
+//! The bounds are folded into the constant coefficients, so that testing "possibly inside" costs nothing extra. Without
+//! exactness they are zero, and triangles seen edge-on are not hit.
 
 use super::{F8, Frame};
 use crate::{
     node::TriBlock,
     simd::Simd,
     vector::{I32, Mask},
+    visibility::Policy,
 };
 
 /// 16 * 2^-24.
@@ -67,7 +69,7 @@ fn sub<S: Simd>(a: [F8<S>; 3], b: [F8<S>; 3]) -> [F8<S>; 3] {
 impl<S: Simd> Leaf<S> {
     /// The coefficients of a block's triangles, and their corners relative to the origin.
     #[inline(always)]
-    pub(crate) fn new(s: S, block: &TriBlock, frame: &Frame) -> (Leaf<S>, [[F8<S>; 3]; 3]) {
+    pub(crate) fn new<V: Policy>(s: S, block: &TriBlock, frame: &Frame) -> (Leaf<S>, [[F8<S>; 3]; 3]) {
         let corners = corners(s, block, frame);
         let [a, b, c] = corners;
         let (n, perm) = cross(sub(b, a), sub(c, a));
@@ -78,6 +80,9 @@ impl<S: Simd> Leaf<S> {
         let one = F8::splat(s, 1.0);
         let tiny = F8::splat(s, TINY);
         let inverse = one / na;
+        if !V::EXACT {
+            return (Leaf::plain(s, &corners, n, inverse, orient), corners);
+        }
         let distance = [a[0].abs(), a[1].abs(), a[2].abs()];
         let ratio = (perm[0] + perm[1] + perm[2]) * inverse.abs();
         let g = (perm[0] * distance[0] + perm[1] * distance[1] + perm[2] * distance[2]) * inverse.abs();
@@ -105,6 +110,24 @@ impl<S: Simd> Leaf<S> {
             depth_doubt: sound.select(bound + bound, infinity),
         };
         (leaf, corners)
+    }
+
+    /// The coefficients without error bounds.
+    #[inline(always)]
+    fn plain(s: S, corners: &[[F8<S>; 3]; 3], n: [F8<S>; 3], inverse: F8<S>, orient: I32<S, 8>) -> Leaf<S> {
+        let (zero, infinity) = (F8::splat(s, 0.0), F8::splat(s, f32::INFINITY));
+        let sound = zero.lt(inverse.abs()) & inverse.abs().lt(infinity);
+        let planes = |f: [F8<S>; 3]| {
+            [sound.select(f[0], zero), sound.select(f[1], zero), sound.select(f[2], -infinity)]
+        };
+        let depth = planes([n[0] * inverse, n[1] * inverse, n[2] * inverse]);
+        let mut edges = [depth; 3];
+        for i in 0..3 {
+            let (p, q) = (corners[(i + 1) % 3], corners[(i + 2) % 3]);
+            let (normal, _) = cross(add(p, q), sub(q, p));
+            edges[i] = planes([normal[0].flip(orient), normal[1].flip(orient), normal[2].flip(orient)]);
+        }
+        Leaf { edges, depth, edge_doubt: zero, depth_doubt: zero }
     }
 }
 

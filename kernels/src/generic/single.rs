@@ -18,6 +18,7 @@ use crate::{
     node::{BvhView, EMPTY_NODE, Node, NodeRef},
     packet::{Face, Hit, MISS, Ray},
     simd::Simd,
+    visibility::Policy,
 };
 
 /// Rounding of a reciprocal, a product, and this factor itself, generously.
@@ -106,6 +107,8 @@ pub(super) struct Best {
     pub(super) reach: f32,
     /// [`NO_SLOT`] for none.
     pub(super) slot: u32,
+    /// Triangles that were decided exactly so far.
+    pub(super) doubts: u32,
 }
 
 impl Best {
@@ -113,12 +116,12 @@ impl Best {
     #[inline(always)]
     pub(super) fn none(ray: &TravRay) -> Best {
         let far = ray.tfar * ray.d[2];
-        Best { reach: ray.tfar, ..Best::at(far * SHRINK, far * GROW, NO_SLOT, ray) }
+        Best { lo: far * SHRINK, hi: far * GROW, reach: ray.tfar, slot: NO_SLOT, doubts: 0 }
     }
 
     #[inline(always)]
-    fn at(lo: f32, hi: f32, slot: u32, ray: &TravRay) -> Best {
-        Best { lo, hi, reach: hi * ray.scale * GROW, slot }
+    fn set(&mut self, lo: f32, hi: f32, slot: u32, ray: &TravRay) {
+        (self.lo, self.hi, self.reach, self.slot) = (lo, hi, hi * ray.scale * GROW, slot);
     }
 
     /// The hit by the canonical formula.
@@ -134,21 +137,23 @@ impl Best {
     }
 }
 
-/// The first hit.
+/// The first hit. Triangles that are decided exactly are added to `doubts`.
 #[inline(always)]
-pub(crate) fn intersect<S: Simd>(s: S, bvh: &BvhView, ray: &Ray) -> Hit {
+pub(crate) fn intersect<S: Simd, V: Policy>(s: S, bvh: &BvhView, ray: &Ray, doubts: &mut u64) -> Hit {
     let Some(ray) = TravRay::new(ray) else { return Hit::MISS };
     let mut best = Best::none(&ray);
-    traverse::<S, false>(s, bvh, &ray, &mut best, bvh.root);
+    traverse::<S, V, false>(s, bvh, &ray, &mut best, bvh.root);
+    *doubts += u64::from(best.doubts);
     best.hit(bvh, &ray)
 }
 
-/// True if anything is hit.
+/// True if anything is hit; otherwise as [`intersect`].
 #[inline(always)]
-pub(crate) fn occluded<S: Simd>(s: S, bvh: &BvhView, ray: &Ray) -> bool {
+pub(crate) fn occluded<S: Simd, V: Policy>(s: S, bvh: &BvhView, ray: &Ray, doubts: &mut u64) -> bool {
     let Some(ray) = TravRay::new(ray) else { return false };
     let mut best = Best::none(&ray);
-    traverse::<S, true>(s, bvh, &ray, &mut best, bvh.root);
+    traverse::<S, V, true>(s, bvh, &ray, &mut best, bvh.root);
+    *doubts += u64::from(best.doubts);
     best.slot != NO_SLOT
 }
 
@@ -160,7 +165,7 @@ struct Entry {
 
 /// Looks for something better than `best` below `root`.
 #[inline(always)]
-pub(super) fn traverse<S: Simd, const ANY: bool>(
+pub(super) fn traverse<S: Simd, V: Policy, const ANY: bool>(
     s: S,
     bvh: &BvhView,
     ray: &TravRay,
@@ -171,13 +176,13 @@ pub(super) fn traverse<S: Simd, const ANY: bool>(
     let mut entry = Entry { node: root, near: ray.tnear };
     loop {
         if entry.node.is_leaf() {
-            leaf::<S>(s, bvh, ray, entry.node, best);
+            leaf::<S, V>(s, bvh, ray, entry.node, best);
             if ANY && best.slot != NO_SLOT {
                 return;
             }
         } else if entry.node != EMPTY_NODE {
             let node = &bvh.nodes[entry.node.index()];
-            if children::<S, ANY>(s, node, ray, best.reach, &mut stack, &mut entry) {
+            if children::<S, V, ANY>(s, node, ray, best.reach, &mut stack, &mut entry) {
                 continue;
             }
         }
@@ -196,7 +201,7 @@ pub(super) fn traverse<S: Simd, const ANY: bool>(
 /// Tests a node's children; pushes all that must be visited but the nearest, which becomes `next`. False if there is
 /// none.
 #[inline(always)]
-fn children<S: Simd, const ANY: bool>(
+fn children<S: Simd, V: Policy, const ANY: bool>(
     s: S,
     node: &Node,
     ray: &TravRay,
@@ -213,9 +218,12 @@ fn children<S: Simd, const ANY: bool>(
         near = ((F8::load(s, &node.bounds[2 * axis + negative]) - org) * rdir).max(near);
         far = ((F8::load(s, &node.bounds[2 * axis + 1 - negative]) - org) * rdir).min(far);
     }
-    // The signs of products are right, so widening by a factor suffices.
-    let near = near * F8::splat(s, SHRINK);
-    let mut left = near.le(far * F8::splat(s, GROW)).bits();
+    if V::EXACT {
+        // The signs of products are right, so widening by a factor suffices.
+        near = near * F8::splat(s, SHRINK);
+        far = far * F8::splat(s, GROW);
+    }
+    let mut left = near.le(far).bits();
     if left == 0 {
         return false;
     }
@@ -247,17 +255,17 @@ fn children<S: Simd, const ANY: bool>(
 
 /// Tests a run of triangles, lane = triangle.
 #[inline(always)]
-pub(super) fn leaf<S: Simd>(s: S, bvh: &BvhView, ray: &TravRay, node: NodeRef, best: &mut Best) {
+pub(super) fn leaf<S: Simd, V: Policy>(s: S, bvh: &BvhView, ray: &TravRay, node: NodeRef, best: &mut Best) {
     let block_index = node.block();
     let block = &bvh.blocks[block_index];
     let corners = corners(s, block, &ray.frame);
     let slopes = [F8::splat(s, ray.slopes[0]), F8::splat(s, ray.slopes[1])];
-    let tests = sheared(s, &corners, slopes, F8::splat(s, best.hi));
+    let tests = sheared::<S, V, 8>(s, &corners, slopes, F8::splat(s, best.hi));
     let mut left = tests.maybe & node.lanes();
     if left == 0 {
         return;
     }
-    let [lo, hi] = tests.depths(s, &corners);
+    let [lo, hi] = tests.depths::<V>(s, &corners);
     let (lo, hi) = (lo.to_array(), hi.to_array());
     while left != 0 {
         let lane = (left.trailing_zeros() & 7) as usize;
@@ -265,27 +273,38 @@ pub(super) fn leaf<S: Simd>(s: S, bvh: &BvhView, ray: &TravRay, node: NodeRef, b
         if block.prim[lane] != ray.skip {
             let sure = tests.sure >> lane & 1 != 0;
             let slot = (block_index * 8 + lane) as u32;
-            consider(bvh, slot, sure.then_some((lo[lane], hi[lane])), ray, best);
+            consider::<V>(bvh, slot, sure.then_some((lo[lane], hi[lane])), ray, best);
         }
     }
 }
 
 /// Takes a triangle for the best hit if it is; `depth` encloses its depth if the ray passes through it beyond doubt.
 #[inline(always)]
-pub(super) fn consider(bvh: &BvhView, slot: u32, depth: Option<(f32, f32)>, ray: &TravRay, best: &mut Best) {
+fn consider<V: Policy>(bvh: &BvhView, slot: u32, depth: Option<(f32, f32)>, ray: &TravRay, best: &mut Best) {
     if let Some((lo, hi)) = depth {
         // The second case is common: the surface that a ray has just left lies across the line behind it.
         if lo > best.hi || hi < ray.tnear * ray.d[2] * SHRINK {
             return;
         }
         if hi < best.lo && lo > ray.tnear * ray.d[2] * GROW {
-            *best = Best::at(lo, hi, slot, ray);
+            best.set(lo, hi, slot, ray);
             return;
         }
     }
+    if V::EXACT {
+        *best = settle(bvh, slot, ray, *best);
+    }
+}
+
+/// The better one of the best hit so far and a triangle, decided exactly.
+#[cold]
+#[inline(never)]
+fn settle(bvh: &BvhView, slot: u32, ray: &TravRay, mut best: Best) -> Best {
+    best.doubts += 1;
     if let Some(t) = nearer(bvh, &ray.frame, ray.d, [ray.tnear, ray.tfar], slot, best.slot) {
         let depth = t * f64::from(ray.d[2]);
         let (lo, hi) = ((depth * (1.0 - 5.0e-7)) as f32, (depth * (1.0 + 5.0e-7)) as f32);
-        *best = Best::at(lo, hi, slot, ray);
+        best.set(lo, hi, slot, ray);
     }
+    best
 }

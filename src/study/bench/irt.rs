@@ -5,7 +5,7 @@ use crate::{
     bvh::Bvh,
     kernels::{
         Flight, HitBlock, Kernels, MISS, NodeRef, Pick, RayBlock, SUB, SUBS, TILE_RAYS, TileHits, TilePacket,
-        TileScratch,
+        TileScratch, Visibility,
     },
     study::bench::rays::{Kind, Stream},
     trace::{KernelChoice, NO_OCCLUDER, PointShadows, RayStream, Traversal},
@@ -40,6 +40,10 @@ impl Common<'_> {
     fn isa(&self) -> String {
         self.traversal.kernels().isa().name().into()
     }
+
+    fn visibility(&self) -> Option<Visibility> {
+        Some(self.traversal.kernels().visibility())
+    }
 }
 
 /// Primary packets through the common-origin kernel.
@@ -52,6 +56,10 @@ impl Mode for Tiles<'_> {
 
     fn isa(&self) -> String {
         self.0.isa()
+    }
+
+    fn visibility(&self) -> Option<Visibility> {
+        self.0.visibility()
     }
 
     fn kernel(&self) -> String {
@@ -105,6 +113,10 @@ impl Mode for Streams<'_> {
         self.0.isa()
     }
 
+    fn visibility(&self) -> Option<Visibility> {
+        self.0.visibility()
+    }
+
     fn kernel(&self) -> String {
         "stream + tile".into()
     }
@@ -147,6 +159,10 @@ impl Mode for Sorted<'_> {
         self.0.isa()
     }
 
+    fn visibility(&self) -> Option<Visibility> {
+        self.0.visibility()
+    }
+
     fn kernel(&self) -> String {
         "stream".into()
     }
@@ -162,9 +178,11 @@ impl Mode for Sorted<'_> {
     fn worker(&self) -> Box<dyn FnMut(usize) -> u64 + '_> {
         let mut stream = RayStream::default();
         let Common { traversal, set } = self.0;
-        general(set, move |blocks, results| match results {
-            Results::Hits(hits) => stream.intersect(&traversal, blocks, hits),
-            Results::Blocked(blocked) => stream.occluded(&traversal, blocks, blocked),
+        general(set, move |blocks, results| {
+            match results {
+                Results::Hits(hits) => stream.intersect(&traversal, blocks, hits),
+                Results::Blocked(blocked) => stream.occluded(&traversal, blocks, blocked),
+            };
         })
     }
 }
@@ -179,6 +197,10 @@ impl Mode for Flights<'_> {
 
     fn isa(&self) -> String {
         self.0.isa()
+    }
+
+    fn visibility(&self) -> Option<Visibility> {
+        self.0.visibility()
     }
 
     fn kernel(&self) -> String {
@@ -202,7 +224,7 @@ impl Mode for Flights<'_> {
             match results {
                 Results::Hits(hits) => traversal.intersect_each(blocks, picks, &mut flight, hits),
                 Results::Blocked(blocked) => traversal.occluded_each(blocks, picks, &mut flight, blocked),
-            }
+            };
         })
     }
 }

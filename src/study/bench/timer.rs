@@ -1,7 +1,10 @@
 //! Running one mode once, on one or several threads.
 
 use super::Engine;
-use crate::schedule::{Machine, Placement, pin_current_thread};
+use crate::{
+    kernels::Visibility,
+    schedule::{Machine, Placement, pin_current_thread},
+};
 use std::{
     sync::atomic::{AtomicUsize, Ordering},
     time::Instant,
@@ -15,6 +18,10 @@ pub(super) trait Mode: Sync {
     fn isa(&self) -> String;
     /// Kernel and flags.
     fn kernel(&self) -> String;
+    /// How hits are decided; `None` if that has no name here.
+    fn visibility(&self) -> Option<Visibility> {
+        None
+    }
     /// Rays per call.
     fn width(&self) -> usize;
     /// Number of units.

@@ -37,6 +37,15 @@ pub struct ShadowRays<'a> {
     pub face: &'a [u32],
 }
 
+/// What tracing a stream took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Traced {
+    /// Rays traced.
+    pub rays: u64,
+    /// Pairs of a ray and a triangle that exact arithmetic decided.
+    pub doubts: u64,
+}
+
 /// The seed of a light that has not blocked anything yet.
 pub const NO_OCCLUDER: NodeRef = EMPTY_NODE;
 
@@ -65,7 +74,7 @@ pub struct PointShadows {
 
 impl PointShadows {
     /// Traces the wanted rays from `origin` and clears `visible[i]` to 0 where ray i is blocked. `seed` carries the
-    /// last occluder from stream to stream. Returns the number of rays traced.
+    /// last occluder from stream to stream.
     pub fn trace(
         &mut self,
         traversal: &Traversal,
@@ -73,14 +82,17 @@ impl PointShadows {
         rays: &ShadowRays,
         seed: &mut NodeRef,
         visible: &mut [f32],
-    ) -> u64 {
+    ) -> Traced {
         self.regroup(traversal, rays);
         self.packet.org = origin;
-        let mut traced = 0;
+        let mut traced = Traced::default();
         let mut first = 0;
         while let Some(&group) = self.order.get(first) {
             let count = run_of_face(&self.order[first..], SUBS);
-            traced += self.trace_packet(traversal, rays, first..first + count, face_of(group), seed, visible);
+            let packet =
+                self.trace_packet(traversal, rays, first..first + count, face_of(group), seed, visible);
+            traced.rays += packet.rays;
+            traced.doubts += packet.doubts;
             first += count;
         }
         traced
@@ -145,17 +157,17 @@ impl PointShadows {
         face: usize,
         seed: &mut NodeRef,
         visible: &mut [f32],
-    ) -> u64 {
+    ) -> Traced {
         let PointShadows { groups, order, loose, packet, scratch, .. } = self;
         packet.face = Face::ALL[face];
         packet.active = [0; SUBS];
         let kernels = traversal.kernels();
         let cast = Cast { groups, order: &order[range], loose };
-        let traced = kernels.run(Fill { cast, rays, packet });
+        let rays = kernels.run(Fill { cast, rays, packet });
         let mut blocked = [0; SUBS];
-        traversal.occluded(packet, scratch, seed, &mut blocked);
+        let doubts = traversal.occluded(packet, scratch, seed, &mut blocked);
         kernels.run(Clear { cast, blocked: &blocked, visible });
-        traced
+        Traced { rays, doubts }
     }
 }
 

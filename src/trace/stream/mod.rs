@@ -67,40 +67,45 @@ pub struct RayStream {
 }
 
 impl RayStream {
-    /// First hits of all active rays, by block; hits of other rays are left as they are.
+    /// First hits of all active rays, by block; hits of other rays are left as they are. Returns how many pairs of a ray
+    /// and a triangle exact arithmetic decided.
     ///
     /// # Panics
     /// If there are not hits for each block.
-    pub fn intersect(&mut self, traversal: &Traversal, blocks: &[RayBlock], hits: &mut [HitBlock]) {
+    pub fn intersect(&mut self, traversal: &Traversal, blocks: &[RayBlock], hits: &mut [HitBlock]) -> u64 {
         assert_eq!(blocks.len(), hits.len(), "hits for each block");
+        let mut doubts = 0;
         for (blocks, hits) in blocks.chunks(CHUNK).zip(hits.chunks_mut(CHUNK)) {
             self.regroup(traversal, blocks);
-            traversal.intersect_each(blocks, &self.single, &mut self.flight, hits);
+            doubts += traversal.intersect_each(blocks, &self.single, &mut self.flight, hits);
             let mut first = 0;
             while let Some(beam) = self.beam(first) {
                 first = beam.end;
-                traversal.intersect_beam(blocks, &self.picks[beam], hits);
+                doubts += traversal.intersect_beam(blocks, &self.picks[beam], hits);
             }
         }
+        doubts
     }
 
     /// Whether anything blocks each active ray, by block: bits like [`RayBlock::active`]. Other bits are left as they
-    /// are.
+    /// are. Returns what [`RayStream::intersect`] does.
     ///
     /// # Panics
     /// If there are not answers for each block.
-    pub fn occluded(&mut self, traversal: &Traversal, blocks: &[RayBlock], blocked: &mut [u16]) {
+    pub fn occluded(&mut self, traversal: &Traversal, blocks: &[RayBlock], blocked: &mut [u16]) -> u64 {
         assert_eq!(blocks.len(), blocked.len(), "answers for each block");
+        let mut doubts = 0;
         let mut seed: NodeRef = NO_OCCLUDER;
         for (blocks, blocked) in blocks.chunks(CHUNK).zip(blocked.chunks_mut(CHUNK)) {
             self.regroup(traversal, blocks);
-            traversal.occluded_each(blocks, &self.single, &mut self.flight, blocked);
+            doubts += traversal.occluded_each(blocks, &self.single, &mut self.flight, blocked);
             let mut first = 0;
             while let Some(beam) = self.beam(first) {
                 first = beam.end;
-                traversal.occluded_beam(blocks, &self.picks[beam], &mut seed, blocked);
+                doubts += traversal.occluded_beam(blocks, &self.picks[beam], &mut seed, blocked);
             }
         }
+        doubts
     }
 
     /// The next groups of one face, at most as many as make a beam.

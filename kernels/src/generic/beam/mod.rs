@@ -22,6 +22,7 @@ use crate::{
     node::{BvhView, EMPTY_NODE, NodeRef},
     packet::{HitBlock, Pick, RayBlock, SUB, SUBS},
     simd::Simd,
+    visibility::Policy,
 };
 use triangles::Coefficients;
 use walk::Planes;
@@ -68,6 +69,8 @@ struct State {
     extent: f32,
     /// Of the reference point.
     frame: Frame,
+    /// Pairs of a ray and a triangle that were decided exactly.
+    doubts: u64,
 }
 
 /// Encloses lines and the depths of interest; widened so that box tests need not care for rounding.
@@ -84,17 +87,18 @@ struct Bounds<T> {
     reach: T,
 }
 
-/// First hits of the active rays of the blocks that `picks` names, by block; the others keep what was there.
+/// First hits of the active rays of the blocks that `picks` names, by block; the others keep what was there. Returns how
+/// many pairs of a ray and a triangle were decided exactly.
 #[inline(always)]
-pub(crate) fn intersect<S: Simd>(
+pub(crate) fn intersect<S: Simd, V: Policy>(
     s: S,
     bvh: &BvhView,
     blocks: &[RayBlock],
     picks: &[Pick],
     hits: &mut [HitBlock],
-) {
+) -> u64 {
     let mut state = State::new(s, blocks, picks);
-    walk::traverse::<S, false>(s, bvh, blocks, picks, &mut state);
+    walk::traverse::<S, V, false>(s, bvh, blocks, picks, &mut state);
     for (sub, &pick) in picks.iter().enumerate().take(SUBS) {
         let block = &blocks[pick.block as usize];
         let hits = &mut hits[pick.block as usize];
@@ -103,32 +107,33 @@ pub(crate) fn intersect<S: Simd>(
         while left != 0 {
             let lane = (left.trailing_zeros() & 15) as usize;
             left &= left - 1;
-            hits.set(lane, single::intersect(s, bvh, &block.ray(lane)));
+            hits.set(lane, single::intersect::<S, V>(s, bvh, &block.ray(lane), &mut state.doubts));
         }
     }
+    state.doubts
 }
 
 /// Which active rays of the blocks that `picks` names anything blocks: bits like [`RayBlock::active`], by block.
 ///
 /// `seed` is a subtree to try first, typically the leaf that blocked the previous beam; it is replaced by the leaf
-/// that blocked a ray last. It changes the time, never the answer.
+/// that blocked a ray last. It changes the time, never the answer. Returns what [`intersect`] does.
 #[inline(always)]
-pub(crate) fn occluded<S: Simd>(
+pub(crate) fn occluded<S: Simd, V: Policy>(
     s: S,
     bvh: &BvhView,
     blocks: &[RayBlock],
     picks: &[Pick],
     seed: &mut NodeRef,
     blocked: &mut [u16],
-) {
+) -> u64 {
     let mut state = State::new(s, blocks, picks);
     let together = state.live;
     let mut last = EMPTY_NODE;
     if *seed != EMPTY_NODE && seed.is_leaf() && seed.block() < bvh.blocks.len() {
         let subs = state.live_subs;
-        last = triangles::leaf::<S, true>(s, bvh, blocks, picks, &mut state, *seed, subs, last);
+        last = triangles::leaf::<S, V, true>(s, bvh, blocks, picks, &mut state, *seed, subs, last);
     }
-    let found = walk::traverse::<S, true>(s, bvh, blocks, picks, &mut state);
+    let found = walk::traverse::<S, V, true>(s, bvh, blocks, picks, &mut state);
     *seed = if found == EMPTY_NODE { last } else { found };
     for (sub, &pick) in picks.iter().enumerate().take(SUBS) {
         let mut bits = together[sub] & !state.live[sub];
@@ -136,9 +141,11 @@ pub(crate) fn occluded<S: Simd>(
         while left != 0 {
             let lane = (left.trailing_zeros() & 15) as usize;
             left &= left - 1;
-            bits |= u16::from(single::occluded(s, bvh, &blocks[pick.block as usize].ray(lane))) << lane;
+            let ray = blocks[pick.block as usize].ray(lane);
+            bits |= u16::from(single::occluded::<S, V>(s, bvh, &ray, &mut state.doubts)) << lane;
         }
         let blocked = &mut blocked[pick.block as usize];
         *blocked = *blocked & !(pick.active & blocks[pick.block as usize].active) | bits;
     }
+    state.doubts
 }

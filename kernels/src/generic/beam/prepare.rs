@@ -55,6 +55,7 @@ impl State {
             live: [0; SUBS],
             live_subs: 0,
             alone: [0; SUBS],
+            doubts: 0,
             extent: 0.0,
             frame: Frame::new([0.0; 3], Face::ALL[0]),
         };

@@ -30,7 +30,8 @@
 //! denominator by 8 e P, which moves a depth of at most L by 8 e P L over the denominator; the division adds 2 e L.
 //! `HALF` = 48 e times P (L + O), over the denominator, covers all. This holds for any denominator but zero.
 //!
-//! [`TINY`] covers underflow. Where anything overflows, NaN decides nothing, so that the exact test does.
+//! [`TINY`] covers underflow. Where anything overflows, NaN decides nothing, so that the exact test does. Without
+//! exactness all bounds are zero, and NaN is a miss.
 
 use super::{E, State};
 use crate::{
@@ -43,6 +44,7 @@ use crate::{
     packet::{Pick, RayBlock, SUBS},
     simd::Simd,
     vector::{I32, Mask},
+    visibility::Policy,
 };
 
 const EDGE: f32 = 40.0 * E;
@@ -87,7 +89,7 @@ impl Coefficients {
 
 /// Tests a run of triangles; returns `node` if it decided a ray, else `last`.
 #[inline(always)]
-pub(super) fn leaf<S: Simd, const ANY: bool>(
+pub(super) fn leaf<S: Simd, V: Policy, const ANY: bool>(
     s: S,
     bvh: &BvhView,
     blocks: &[RayBlock],
@@ -98,7 +100,7 @@ pub(super) fn leaf<S: Simd, const ANY: bool>(
     last: NodeRef,
 ) -> NodeRef {
     let block_index = node.block();
-    let mut left = set_up(s, &bvh.blocks[block_index], state, node.lanes());
+    let mut left = set_up::<S, V>(s, &bvh.blocks[block_index], state, node.lanes());
     // Pairs are listed first, so that one loop without unforeseeable branches tests all of them.
     const SUB_NUMBERS: [u32; SUBS] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
     let numbers = I32::<S, 16>::load(s, &SUB_NUMBERS);
@@ -106,7 +108,7 @@ pub(super) fn leaf<S: Simd, const ANY: bool>(
     while left != 0 {
         let lane = (left.trailing_zeros() & 7) as usize;
         left &= left - 1;
-        let wanted = sub_packets(s, lane, state, subs & state.live_subs);
+        let wanted = sub_packets::<S, V>(s, lane, state, subs & state.live_subs);
         if let Some((room, _)) = state.pairs[pairs..].split_first_chunk_mut() {
             (numbers + I32::splat(s, (lane * SUBS) as u32)).compress(wanted, room);
         }
@@ -118,7 +120,7 @@ pub(super) fn leaf<S: Simd, const ANY: bool>(
         let (lane, sub) = (pair / SUBS % 8, pair % SUBS);
         let rays = &blocks[picks[sub].block as usize];
         let pair = Pair { lane, sub, slot: (block_index * 8 + lane) as u32, rays };
-        touched |= u32::from(test::<S, ANY>(s, bvh, state, &pair)) << sub;
+        touched |= u32::from(test::<S, V, ANY>(s, bvh, state, &pair)) << sub;
     }
     if touched == 0 {
         return last;
@@ -153,7 +155,7 @@ fn from_to<S: Simd>(a: [F8<S>; 3], b: [F8<S>; 3]) -> [F8<S>; 3] {
 
 /// Sets up the block and culls its triangles against the beam, lane = triangle.
 #[inline(always)]
-fn set_up<S: Simd>(s: S, block: &TriBlock, state: &mut State, lanes: u32) -> u32 {
+fn set_up<S: Simd, V: Policy>(s: S, block: &TriBlock, state: &mut State, lanes: u32) -> u32 {
     let p = corners(s, block, &state.frame);
     let mut e = [from_to(p[1], p[2]), from_to(p[2], p[0]), from_to(p[0], p[1])];
     let (zero, tiny, half) = (F8::splat(s, 0.0), F8::splat(s, TINY), F8::splat(s, 0.5));
@@ -165,13 +167,16 @@ fn set_up<S: Simd>(s: S, block: &TriBlock, state: &mut State, lanes: u32) -> u32
         span = span.max((e[i][0].abs() + e[i][1].abs()) + (e[i][2].abs() + e[i][2].abs()));
     }
     let size = size + F8::splat(s, state.extent);
-    let edge_doubt = F8::splat(s, EDGE) * size * span + tiny;
     let products = cross(e[1], e[2]);
     let mut permanent = tiny;
     for [plus, minus] in products {
         permanent = permanent + (plus.abs() + minus.abs());
     }
-    let depth_doubt = F8::splat(s, HALF) * size * permanent + tiny;
+    let (edge_doubt, depth_doubt) = if V::EXACT {
+        (F8::splat(s, EDGE) * size * span + tiny, F8::splat(s, HALF) * size * permanent + tiny)
+    } else {
+        (zero, zero)
+    };
     let least = p[0][2].min(p[1][2]).min(p[2][2]);
     let most = p[0][2].max(p[1][2]).max(p[2][2]);
 
@@ -220,8 +225,10 @@ fn set_up<S: Simd>(s: S, block: &TriBlock, state: &mut State, lanes: u32) -> u32
         d.store(&mut k.plane[3]);
         n[0].abs().store(&mut k.tilt[0]);
         n[1].abs().store(&mut k.tilt[1]);
-        edge_doubt.store(&mut k.edge_doubt);
-        depth_doubt.store(&mut k.depth_doubt);
+        if V::EXACT {
+            edge_doubt.store(&mut k.edge_doubt);
+            depth_doubt.store(&mut k.depth_doubt);
+        }
         least.store(&mut k.depth[0]);
         most.store(&mut k.depth[1]);
         k.oriented = oriented;
@@ -257,7 +264,7 @@ fn plane<S: Simd>(s: S, k: &Coefficients, lane: usize, lines: &[F16<S>; 5]) -> [
 
 /// Which of `subs` one triangle may meet; lane = sub-packet.
 #[inline(always)]
-fn sub_packets<S: Simd>(s: S, lane: usize, state: &State, subs: u32) -> u32 {
+fn sub_packets<S: Simd, V: Policy>(s: S, lane: usize, state: &State, subs: u32) -> u32 {
     let k = &state.triangles;
     let (reach, start) = (F16::load(s, &state.bounds.reach), F16::load(s, &state.bounds.start));
     let mut outside = reach.lt(F16::splat(s, k.depth[0][lane])) | F16::splat(s, k.depth[1][lane]).lt(start);
@@ -266,7 +273,7 @@ fn sub_packets<S: Simd>(s: S, lane: usize, state: &State, subs: u32) -> u32 {
     }
     let (lines, widths) = (five(s, &state.middle), five(s, &state.radius));
     let zero = F16::splat(s, 0.0);
-    let two = F16::splat(s, k.edge_doubt[lane] + k.edge_doubt[lane]);
+    let two = if V::EXACT { F16::splat(s, k.edge_doubt[lane] + k.edge_doubt[lane]) } else { zero };
     for i in 0..3 {
         let at = edge(s, k, i, lane, &lines);
         let mut by = two;
@@ -278,7 +285,7 @@ fn sub_packets<S: Simd>(s: S, lane: usize, state: &State, subs: u32) -> u32 {
     // Farther than anything of interest, or nearer.
     let [above, facing] = plane(s, k, lane, &lines);
     let (tilt_x, tilt_y) = (F16::splat(s, k.tilt[0][lane]), F16::splat(s, k.tilt[1][lane]));
-    let two = F16::splat(s, k.depth_doubt[lane] + k.depth_doubt[lane]);
+    let two = if V::EXACT { F16::splat(s, k.depth_doubt[lane] + k.depth_doubt[lane]) } else { zero };
     let by = tilt_x.mul_add(widths[2], tilt_y.mul_add(widths[3], two));
     let turn = tilt_x.mul_add(widths[0], tilt_y * widths[1]);
     let most = F16::splat(s, k.depth[1][lane]);
@@ -298,13 +305,16 @@ struct Pair<'a> {
 
 /// Tests the rays of a sub-packet against one triangle; true if any was decided.
 #[inline(always)]
-fn test<S: Simd, const ANY: bool>(s: S, bvh: &BvhView, state: &mut State, pair: &Pair) -> bool {
+fn test<S: Simd, V: Policy, const ANY: bool>(s: S, bvh: &BvhView, state: &mut State, pair: &Pair) -> bool {
     let &Pair { lane, sub, slot, rays } = pair;
     let k = &state.triangles;
     let lines = five(s, &state.lines[sub]);
     let edges = [edge(s, k, 0, lane, &lines), edge(s, k, 1, lane, &lines), edge(s, k, 2, lane, &lines)];
     let least = edges[0].min(edges[1]).min(edges[2]);
     let most = edges[0].max(edges[1]).max(edges[2]);
+    if !V::EXACT {
+        return test_plain::<S, ANY>(s, bvh, state, pair, &lines, [least, most]);
+    }
     let doubt = F16::splat(s, k.edge_doubt[lane]);
     let beside = least.lt(-doubt) & doubt.lt(most);
     let within = doubt.lt(least) | most.lt(-doubt);
@@ -335,11 +345,43 @@ fn test<S: Simd, const ANY: bool>(s: S, bvh: &BvhView, state: &mut State, pair: 
     decided
 }
 
+/// The rest of [`test`] without error bounds: the least and greatest edge function have one sign, and the depth is less
+/// than any before.
+#[inline(always)]
+fn test_plain<S: Simd, const ANY: bool>(
+    s: S,
+    bvh: &BvhView,
+    state: &mut State,
+    pair: &Pair,
+    lines: &[F16<S>; 5],
+    [least, most]: [F16<S>; 2],
+) -> bool {
+    let &Pair { lane, sub, slot, rays } = pair;
+    let zero = F16::splat(s, 0.0);
+    let [above, facing] = plane(s, &state.triangles, lane, lines);
+    let depth = above * (F16::splat(s, 1.0) / facing);
+    let hi = F16::load(s, &state.hi[sub]);
+    let nearer = F16::load(s, &state.start[0][sub]).lt(depth) & depth.lt(hi);
+    let prim = bvh.blocks[(slot >> 3) as usize].prim[lane];
+    let skipped = I32::load(s, &rays.skip).eq(I32::<S, 16>::splat(s, prim));
+    let hit = nearer.bits() & !(least.lt(zero) & zero.lt(most)).bits() & !skipped.bits();
+    let hit = hit & u32::from(state.live[sub]);
+    if ANY {
+        state.live[sub] &= !(hit as u16);
+    } else {
+        let mask = Mask::from_bits(s, hit);
+        mask.select(depth, hi).store(&mut state.hi[sub]);
+        mask.iselect(I32::splat(s, slot), I32::load(s, &state.slot[sub])).store(&mut state.slot[sub]);
+    }
+    hit != 0
+}
+
 /// Decides the doubtful rays of a sub-packet exactly; true if one hits.
 #[cold]
 #[inline(never)]
 fn settle<const ANY: bool>(bvh: &BvhView, state: &mut State, pair: &Pair, mut doubtful: u32) -> bool {
     let &Pair { sub, slot, rays, .. } = pair;
+    state.doubts += u64::from(doubtful.count_ones());
     let mut decided = false;
     while doubtful != 0 {
         let i = (doubtful.trailing_zeros() & 15) as usize;

@@ -7,6 +7,7 @@ use crate::{
     packet::{Pick, RayBlock, SUBS},
     simd::{Lanes, Simd},
     vector::{F32, I32, Mask},
+    visibility::Policy,
 };
 
 /// For so few sub-packets at a leaf, looking at each ray first pays.
@@ -36,7 +37,7 @@ impl Planes {
 
 /// Walks the tree; returns the leaf that decided a ray last ([`EMPTY_NODE`] if none did).
 #[inline(always)]
-pub(super) fn traverse<S: Simd, const ANY: bool>(
+pub(super) fn traverse<S: Simd, V: Policy, const ANY: bool>(
     s: S,
     bvh: &BvhView,
     blocks: &[RayBlock],
@@ -51,7 +52,7 @@ pub(super) fn traverse<S: Simd, const ANY: bool>(
     let mut entry = Entry { node: bvh.root, subs: state.live_subs, near: 0.0 };
     loop {
         if entry.node.is_leaf() {
-            last = leaf::<S, ANY>(s, bvh, blocks, picks, state, entry.node, entry.subs, last);
+            last = leaf::<S, V, ANY>(s, bvh, blocks, picks, state, entry.node, entry.subs, last);
             if ANY && state.live_subs == 0 {
                 return last;
             }

@@ -4,12 +4,14 @@
 //! sees it: the edge functions alone cannot tell a small triangle from the corner of a large sub-packet.
 //!
 //! If all corners lie ahead of the origin (z > 0), a point of the triangle is seen at slopes between the least and
-//! greatest x / z of the corners. The rounded quotients are off by one part in 2^24; twice that is allowed.
+//! greatest x / z of the corners. The rounded quotients are off by one part in 2^24; twice that is allowed, nothing
+//! without exactness.
 
 use crate::{
     generic::{F8, F16, Frame, leaf::Leaf},
     node::TriBlock,
     simd::Simd,
+    visibility::Policy,
 };
 
 /// Index of the inverse depth among the functions.
@@ -106,8 +108,8 @@ impl BlockPlanes {
 
 /// Sets up a block.
 #[inline(always)]
-pub(super) fn set_up<S: Simd>(s: S, block: &TriBlock, frame: &Frame, to: &mut BlockPlanes) {
-    let (leaf, corners) = Leaf::new(s, block, frame);
+pub(super) fn set_up<S: Simd, V: Policy>(s: S, block: &TriBlock, frame: &Frame, to: &mut BlockPlanes) {
+    let (leaf, corners) = Leaf::new::<V>(s, block, frame);
     let zero = F8::splat(s, 0.0);
     for i in 0..4 {
         let f = if i == DEPTH { leaf.depth } else { leaf.edges[i] };
@@ -116,23 +118,28 @@ pub(super) fn set_up<S: Simd>(s: S, block: &TriBlock, frame: &Frame, to: &mut Bl
         }
         to.high[i] = [zero.le(f[0]).bits(), zero.le(f[1]).bits()];
     }
-    leaf.edge_doubt.store(&mut to.edge_doubt);
-    leaf.depth_doubt.store(&mut to.depth_doubt);
-    extent(s, &corners, to);
+    if V::EXACT {
+        leaf.edge_doubt.store(&mut to.edge_doubt);
+        leaf.depth_doubt.store(&mut to.depth_doubt);
+    }
+    extent::<S, V>(s, &corners, to);
 }
 
 /// The rectangles of slopes; everything for triangles that are not entirely ahead.
 #[inline(always)]
-fn extent<S: Simd>(s: S, corners: &[[F8<S>; 3]; 3], to: &mut BlockPlanes) {
+fn extent<S: Simd, V: Policy>(s: S, corners: &[[F8<S>; 3]; 3], to: &mut BlockPlanes) {
     let [a, b, c] = corners;
     let one = F8::splat(s, 1.0);
     let infinity = F8::splat(s, f32::INFINITY);
     let ahead = F8::splat(s, f32::MIN_POSITIVE).le(a[2].min(b[2]).min(c[2]));
     for axis in 0..2 {
         let (p, q, r) = (a[axis] / a[2], b[axis] / b[2], c[axis] / c[2]);
-        let (least, most) = (p.min(q).min(r), p.max(q).max(r));
-        let error = (least.abs().max(most.abs()) + one) * F8::splat(s, f32::EPSILON);
-        ahead.select(least - error, -infinity).store(&mut to.extent[axis][0]);
-        ahead.select(most + error, infinity).store(&mut to.extent[axis][1]);
+        let (mut least, mut most) = (p.min(q).min(r), p.max(q).max(r));
+        if V::EXACT {
+            let error = (least.abs().max(most.abs()) + one) * F8::splat(s, f32::EPSILON);
+            (least, most) = (least - error, most + error);
+        }
+        ahead.select(least, -infinity).store(&mut to.extent[axis][0]);
+        ahead.select(most, infinity).store(&mut to.extent[axis][1]);
     }
 }

@@ -6,6 +6,7 @@
 //!
 //! Rounding: reciprocals and products are off by 2^-24 each, and [`WIDEN`] allows four times that. Box planes are moved
 //! outwards by [`TINY`] first, so that 0 / 0, a box that begins at the origin itself, becomes infinity: everything.
+//! Without exactness neither is done.
 
 use super::{Rays, State};
 use crate::{
@@ -14,6 +15,7 @@ use crate::{
     packet::SUBS,
     simd::Simd,
     vector::I32,
+    visibility::Policy,
 };
 
 /// 8 * 2^-24.
@@ -64,7 +66,7 @@ impl Boxes {
 impl State {
     /// Projects a node's boxes; which of them the tile may meet, lane = child.
     #[inline(always)]
-    pub(super) fn project<S: Simd>(&mut self, s: S, node: &Node) -> u32 {
+    pub(super) fn project<S: Simd, V: Policy>(&mut self, s: S, node: &Node) -> u32 {
         let frame = &self.frame;
         let [iu, iv, iz] = frame.axes.map(|axis| axis % 3);
         let negative = usize::from(frame.flip != 0);
@@ -81,14 +83,19 @@ impl State {
         for axis in 0..2 {
             let (world, tile) = if axis == 0 { (iu, self.tile_u) } else { (iv, self.tile_v) };
             let org = F8::splat(s, frame.org[axis]);
-            let tiny = F8::splat(s, TINY);
-            let x0 = F8::load(s, &node.bounds[2 * world]) - org - tiny;
-            let x1 = F8::load(s, &node.bounds[2 * world + 1]) - org + tiny;
-            let least = (x0 * r0).min(x0 * r1);
-            let most = (x1 * r0).max(x1 * r1);
-            let widen = F8::splat(s, WIDEN);
-            let least = least - least.abs() * widen;
-            let most = most + most.abs() * widen;
+            let mut x0 = F8::load(s, &node.bounds[2 * world]) - org;
+            let mut x1 = F8::load(s, &node.bounds[2 * world + 1]) - org;
+            if V::EXACT {
+                let tiny = F8::splat(s, TINY);
+                (x0, x1) = (x0 - tiny, x1 + tiny);
+            }
+            let mut least = (x0 * r0).min(x0 * r1);
+            let mut most = (x1 * r0).max(x1 * r1);
+            if V::EXACT {
+                let widen = F8::splat(s, WIDEN);
+                least = least - least.abs() * widen;
+                most = most + most.abs() * widen;
+            }
             least.store(&mut self.boxes.extent[axis][0]);
             most.store(&mut self.boxes.extent[axis][1]);
             meet = meet & least.le(F8::splat(s, tile[1])) & F8::splat(s, tile[0]).le(most);

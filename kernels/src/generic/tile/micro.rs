@@ -2,7 +2,7 @@
 //! what one packet meets in a tree.
 //!
 //! What a packet meets is found once, portably, so that every instruction set gets the same work. The steps leave their
-//! results in the [`Meeting`]: since those are there already, [`Meeting::checksum`] must not change.
+//! results in the [`Meeting`]: since those are there already, [`Meeting::checksum`] must not change. Visibility is exact.
 
 use super::{
     Rays, State,
@@ -22,6 +22,7 @@ use crate::{
     packet::{MISS, SUBS, TileHits, TilePacket},
     simd::{Kernel, Simd},
     vector::I32,
+    visibility::Exact,
 };
 
 /// A packet, and the parts of a tree that it has to look at even if it knows its hits in advance.
@@ -59,9 +60,9 @@ impl<'a> Meeting<'a> {
         let s = Scalar;
         let mut scratch = TileScratch::new();
         let mut hits = TileHits::new();
-        super::intersect(s, &bvh, &packet, &mut scratch, &mut hits);
+        super::intersect::<_, Exact>(s, &bvh, &packet, &mut scratch, &mut hits);
         let mut fresh = State::EMPTY;
-        fresh.begin(s, &packet);
+        fresh.begin::<_, Exact>(s, &packet);
         let mut meeting = Meeting {
             bvh,
             packet,
@@ -97,7 +98,7 @@ impl<'a> Meeting<'a> {
             }
             self.nodes.push(node.index());
             let node = &self.bvh.nodes[node.index()];
-            let left = state.project(s, node);
+            let left = state.project::<_, Exact>(s, node);
             for child in (0..8).filter(|child| left >> child & 1 != 0) {
                 stack.push((node.child[child], subs & state.subs_meet(s, child)));
             }
@@ -110,7 +111,7 @@ impl<'a> Meeting<'a> {
         let (s, block) = (Scalar, node.block());
         let leaf = self.blocks.iter().position(|&known| known == block).unwrap_or_else(|| {
             let mut planes = BlockPlanes::EMPTY;
-            set_up(s, &self.bvh.blocks[block], &self.state.frame, &mut planes);
+            set_up::<_, Exact>(s, &self.bvh.blocks[block], &self.state.frame, &mut planes);
             self.leaves.push(planes);
             self.blocks.push(block);
             self.blocks.len() - 1
@@ -194,7 +195,7 @@ impl Kernel for BoxTest<'_, '_> {
         let Meeting { bvh, state, nodes, met, .. } = self.0;
         let mut sum = 0;
         for &node in &*nodes {
-            let mut left = state.project(s, &bvh.nodes[node]);
+            let mut left = state.project::<S, Exact>(s, &bvh.nodes[node]);
             while left != 0 {
                 let child = (left.trailing_zeros() & 7) as usize;
                 left &= left - 1;
@@ -215,7 +216,7 @@ impl Kernel for LeafSetUp<'_, '_> {
     fn run<S: Simd>(self, s: S) {
         let Meeting { bvh, state, blocks, leaves, .. } = self.0;
         for (&block, to) in blocks.iter().zip(leaves) {
-            set_up(s, &bvh.blocks[block], &state.frame, to);
+            set_up::<S, Exact>(s, &bvh.blocks[block], &state.frame, to);
         }
     }
 }
@@ -235,7 +236,15 @@ impl Kernel for TriangleTest<'_, '_> {
             I32::splat(s, NO_SLOT).store(&mut state.slot[sub]);
         }
         for pair in &*pairs {
-            triangles::test::<S, false>(s, bvh, packet, state, &leaves[pair.leaf], pair.slot, pair.sub);
+            triangles::test::<S, Exact, false>(
+                s,
+                bvh,
+                packet,
+                state,
+                &leaves[pair.leaf],
+                pair.slot,
+                pair.sub,
+            );
         }
     }
 }

@@ -33,6 +33,7 @@ use crate::{
     packet::{SUBS, TileHits, TilePacket},
     simd::Simd,
     vector::{I32, Mask},
+    visibility::Policy,
 };
 use boxes::Boxes;
 use triangles::Batch;
@@ -69,50 +70,55 @@ struct State {
     tile_v: [f32; 2],
     tile_reach: f32,
     frame: Frame,
+    /// Pairs of a ray and a triangle that were decided exactly.
+    doubts: u64,
 }
 
-/// First hits of all active rays.
+/// First hits of all active rays. Returns how many pairs of a ray and a triangle were decided exactly.
 #[inline(always)]
-pub(crate) fn intersect<S: Simd>(
+pub(crate) fn intersect<S: Simd, V: Policy>(
     s: S,
     bvh: &BvhView,
     packet: &TilePacket,
     scratch: &mut TileScratch,
     hits: &mut TileHits,
-) {
+) -> u64 {
     let TileScratch { state, leaves, planes } = scratch;
-    state.begin(s, packet);
-    leaves.begin(bvh, packet);
-    walk::traverse::<S, false>(s, bvh, packet, state, leaves, bvh.root);
+    state.begin::<S, V>(s, packet);
+    leaves.begin::<V>(bvh, packet);
+    walk::traverse::<S, V, false>(s, bvh, packet, state, leaves, bvh.root);
     finish::hits(s, bvh, packet, &state.frame, planes, leaves.epoch(), &state.slot, hits);
+    state.doubts
 }
 
 /// The rays that something blocks between the origin and `tfar`, as bits like [`TilePacket::active`].
 ///
 /// `seed` is a subtree to try first, typically the leaf that blocked the previous packet; it is replaced by the leaf
-/// that blocked a ray last. It changes the time, never the answer.
+/// that blocked a ray last. It changes the time, never the answer. Returns what [`intersect`] does.
 #[inline(always)]
-pub(crate) fn occluded<S: Simd>(
+pub(crate) fn occluded<S: Simd, V: Policy>(
     s: S,
     bvh: &BvhView,
     packet: &TilePacket,
     scratch: &mut TileScratch,
     seed: &mut NodeRef,
     blocked: &mut [u16; SUBS],
-) {
+) -> u64 {
     let TileScratch { state, leaves, .. } = scratch;
-    state.begin(s, packet);
-    leaves.begin(bvh, packet);
+    state.begin::<S, V>(s, packet);
+    leaves.begin::<V>(bvh, packet);
+    let started = state.live;
     if *seed != EMPTY_NODE && seed.block() < bvh.blocks.len() {
         let subs = state.live_subs;
-        triangles::list(s, bvh, state, leaves, *seed, subs);
-        triangles::work_off::<S, true>(s, bvh, packet, state, leaves);
+        triangles::list::<S, V>(s, bvh, state, leaves, *seed, subs);
+        triangles::work_off::<S, V, true>(s, bvh, packet, state, leaves);
     }
-    walk::traverse::<S, true>(s, bvh, packet, state, leaves, bvh.root);
+    walk::traverse::<S, V, true>(s, bvh, packet, state, leaves, bvh.root);
     *seed = if state.last == NO_SLOT { EMPTY_NODE } else { NodeRef::triangle(state.last) };
     for sub in 0..SUBS {
-        blocked[sub] = packet.active[sub] & !state.live[sub];
+        blocked[sub] = started[sub] & !state.live[sub];
     }
+    state.doubts
 }
 
 impl State {
@@ -126,6 +132,7 @@ impl State {
         boxes: Boxes::NONE,
         batch: Batch::NONE,
         last: NO_SLOT,
+        doubts: 0,
         live: [0; SUBS],
         live_subs: 0,
         tile_u: [0.0; 2],
@@ -136,7 +143,7 @@ impl State {
 
     /// Forgets the previous packet.
     #[inline(always)]
-    fn begin<S: Simd>(&mut self, s: S, packet: &TilePacket) {
+    fn begin<S: Simd, V: Policy>(&mut self, s: S, packet: &TilePacket) {
         // Packets are large: ask for all of it before waiting for the first line.
         s.prefetch(&packet.u);
         s.prefetch(&packet.v);
@@ -147,13 +154,14 @@ impl State {
         (-infinity).store(&mut self.v[1]);
         infinity.store(&mut self.reach);
         self.last = NO_SLOT;
+        self.doubts = 0;
         self.live = packet.active;
         self.live_subs = 0;
         self.frame = Frame::new(packet.org, packet.face);
         for sub in 0..SUBS {
             if packet.active[sub] != 0 {
-                self.live_subs |= 1 << sub;
-                self.sub_packet(s, packet, sub);
+                self.sub_packet::<S, V>(s, packet, sub);
+                self.live_subs |= u32::from(self.live[sub] != 0) << sub;
             }
         }
         self.tile_u = [F16::load(s, &self.u[0]).reduce_min(), F16::load(s, &self.u[1]).reduce_max()];
@@ -161,25 +169,33 @@ impl State {
         self.tile_reach = F16::load(s, &self.reach).reduce_min();
     }
 
-    /// Bounds of one sub-packet.
+    /// Bounds of one sub-packet. Rays without a meaning are not among the live ones.
     #[inline(always)]
-    fn sub_packet<S: Simd>(&mut self, s: S, packet: &TilePacket, sub: usize) {
+    fn sub_packet<S: Simd, V: Policy>(&mut self, s: S, packet: &TilePacket, sub: usize) {
         let infinity = F16::splat(s, f32::INFINITY);
-        let active = Mask::from_bits(s, u32::from(packet.active[sub]));
+        let u = F16::load(s, &rays(&packet.u)[sub]);
+        let v = F16::load(s, &rays(&packet.v)[sub]);
+        // NaN fails.
+        let one = F16::splat(s, 1.0);
+        let mut valid = u.abs().le(one) & v.abs().le(one);
+        if packet.bounded {
+            valid = valid & F16::splat(s, 0.0).lt(F16::load(s, &rays(&packet.tfar)[sub]));
+        }
+        self.live[sub] &= valid.bits() as u16;
+        let active = Mask::from_bits(s, u32::from(self.live[sub]));
         let (mut lo, mut hi) = (F16::splat(s, 0.0), F16::splat(s, 0.0));
         if packet.bounded {
             // 1 / tfar is off by half a unit: these factors enclose it.
             let inverse = F16::splat(s, 1.0) / F16::load(s, &rays(&packet.tfar)[sub]);
-            lo = inverse * F16::splat(s, 1.0 - 2.5e-7);
-            hi = inverse * F16::splat(s, 1.0 + 2.5e-7);
+            let error = if V::EXACT { 2.5e-7 } else { 0.0 };
+            lo = inverse * F16::splat(s, 1.0 - error);
+            hi = inverse * F16::splat(s, 1.0 + error);
         }
         let lo = active.select(lo, infinity);
         lo.store(&mut self.lo[sub]);
         active.select(hi, infinity).store(&mut self.hi[sub]);
         I32::splat(s, NO_SLOT).store(&mut self.slot[sub]);
         self.reach[sub] = if packet.bounded { lo.reduce_min() } else { 0.0 };
-        let u = F16::load(s, &rays(&packet.u)[sub]);
-        let v = F16::load(s, &rays(&packet.v)[sub]);
         let (u, v) = ([u, -u], [v, -v]);
         let (u0, u1) = (active.select(u[0], infinity), active.select(u[1], infinity));
         let (v0, v1) = (active.select(v[0], infinity), active.select(v[1], infinity));

@@ -1,6 +1,6 @@
 //! What the tile kernel keeps between packets: working memory, and the set-up of leaves it has met.
 //!
-//! The set-up of a block depends on the tree, the origin and the face alone, and neighbouring packets meet the same
+//! The set-up of a block depends on the tree, the origin, the face and the visibility alone, and neighbouring packets meet the same
 //! blocks: a small direct-mapped cache serves them. It changes the time, never the answer.
 
 use super::{
@@ -12,6 +12,7 @@ use crate::{
     node::BvhView,
     packet::TilePacket,
     simd::Simd,
+    visibility::Policy,
 };
 
 /// Blocks remembered: 320 KiB, to stay in the second-level cache.
@@ -19,7 +20,7 @@ const ENTRIES: usize = 512;
 /// Origins remembered; a picture with more lights than this loses a little time.
 const ORIGINS: usize = 16;
 
-/// What a set-up depends on: tree, origin, face.
+/// What a set-up depends on: tree, origin, face and visibility.
 type Key = (u64, [u32; 3], usize);
 
 /// Working memory of the tile kernels: one for each thread, for any trees and packets. About 330 KiB.
@@ -80,9 +81,10 @@ impl LeafCache {
 
     /// Must be called before a packet's blocks are asked for.
     #[inline(always)]
-    pub(super) fn begin(&mut self, bvh: &BvhView, packet: &TilePacket) {
+    pub(super) fn begin<V: Policy>(&mut self, bvh: &BvhView, packet: &TilePacket) {
         let [x, y, z] = packet.org;
-        let key = (bvh.id, [x.to_bits(), y.to_bits(), z.to_bits()], packet.face.index());
+        let face = packet.face.index() << 1 | usize::from(V::EXACT);
+        let key = (bvh.id, [x.to_bits(), y.to_bits(), z.to_bits()], face);
         let (current, epoch) = self.keys[self.current % ORIGINS];
         if epoch == 0 || current != key {
             self.change(key);
@@ -140,14 +142,20 @@ impl LeafCache {
 
     /// The set-up of a block for the current packet; stays until released.
     #[inline(always)]
-    pub(super) fn get<S: Simd>(&mut self, s: S, bvh: &BvhView, frame: &Frame, block: usize) -> &BlockPlanes {
+    pub(super) fn get<S: Simd, V: Policy>(
+        &mut self,
+        s: S,
+        bvh: &BvhView,
+        frame: &Frame,
+        block: usize,
+    ) -> &BlockPlanes {
         let at = block % ENTRIES;
         let tag = u64::from(self.epoch()) << 32 | block as u64;
         self.held[at] = self.batch;
         let entry = &mut self.blocks[at];
         if self.tags[at] != tag {
             self.tags[at] = tag;
-            set_up(s, &bvh.blocks[block], frame, entry);
+            set_up::<S, V>(s, &bvh.blocks[block], frame, entry);
         }
         entry
     }

@@ -25,6 +25,7 @@ use crate::{
     packet::{SUB, SUBS, TilePacket},
     simd::Simd,
     vector::{I32, Mask},
+    visibility::Policy,
 };
 
 /// With so many triangles listed, an occlusion query works the list off.
@@ -93,7 +94,7 @@ impl Batch {
 
 /// Lists the triangles of a leaf that the tile may meet. The leaf is not in the way of another (see [`LeafCache`]).
 #[inline(always)]
-pub(super) fn list<S: Simd>(
+pub(super) fn list<S: Simd, V: Policy>(
     s: S,
     bvh: &BvhView,
     state: &mut State,
@@ -102,7 +103,7 @@ pub(super) fn list<S: Simd>(
     subs: u32,
 ) {
     let index = node.block();
-    let planes = leaves.get(s, bvh, &state.frame, index);
+    let planes = leaves.get::<S, V>(s, bvh, &state.frame, index);
     if subs.count_ones() > FEW {
         let lanes = planes.within(s, state.tile_u, state.tile_v, state.tile_reach) & node.lanes();
         state.batch.append(s, index, lanes, subs);
@@ -120,7 +121,7 @@ pub(super) fn list<S: Simd>(
 
 /// Tests what has been listed.
 #[inline(always)]
-pub(super) fn work_off<S: Simd, const ANY: bool>(
+pub(super) fn work_off<S: Simd, V: Policy, const ANY: bool>(
     s: S,
     bvh: &BvhView,
     packet: &TilePacket,
@@ -145,7 +146,7 @@ pub(super) fn work_off<S: Simd, const ANY: bool>(
     for at in 0..pairs {
         let pair = state.batch.pairs[at];
         let (slot, sub) = (pair / SUBS as u32, pair as usize % SUBS);
-        let decided = test::<S, ANY>(s, bvh, packet, state, leaves.at(slot), slot, sub);
+        let decided = test::<S, V, ANY>(s, bvh, packet, state, leaves.at(slot), slot, sub);
         touched |= u32::from(decided) << sub;
         last = if decided { slot } else { last };
     }
@@ -173,7 +174,7 @@ pub(super) fn sub_packets<S: Simd>(s: S, planes: &BlockPlanes, lane: usize, stat
 
 /// Tests the rays of a sub-packet against the triangle in `slot`; true if any was decided.
 #[inline(always)]
-pub(super) fn test<S: Simd, const ANY: bool>(
+pub(super) fn test<S: Simd, V: Policy, const ANY: bool>(
     s: S,
     bvh: &BvhView,
     packet: &TilePacket,
@@ -189,10 +190,10 @@ pub(super) fn test<S: Simd, const ANY: bool>(
     let inside = e0.min(planes.value(s, 1, lane, u, v)).min(planes.value(s, 2, lane, u, v));
     let w = planes.value(s, DEPTH, lane, u, v);
     let (lo, hi) = (F16::load(s, &state.lo[sub]), F16::load(s, &state.hi[sub]));
-    let candidate = F16::splat(s, 0.0).le(inside) & lo.le(w);
-    let w_lo = w - planes.depth_doubt(s, lane);
+    let candidate = F16::splat(s, 0.0).le(inside) & if V::EXACT { lo.le(w) } else { lo.lt(w) };
+    let w_lo = if V::EXACT { w - planes.depth_doubt(s, lane) } else { w };
     let pierced = candidate & planes.edge_doubt(s, lane).lt(inside);
-    let sure = pierced & hi.lt(w_lo);
+    let sure = if V::EXACT { pierced & hi.lt(w_lo) } else { candidate };
     // Rays that are decided or take no part are not live.
     let mut candidates = candidate.bits() & u32::from(state.live[sub]);
     if packet.bounded {
@@ -205,12 +206,14 @@ pub(super) fn test<S: Simd, const ANY: bool>(
     } else {
         let sure = Mask::from_bits(s, sure);
         sure.select(w_lo, lo).store(&mut state.lo[sub]);
-        sure.select(w, hi).store(&mut state.hi[sub]);
+        if V::EXACT {
+            sure.select(w, hi).store(&mut state.hi[sub]);
+        }
         sure.iselect(I32::splat(s, slot), I32::load(s, &state.slot[sub])).store(&mut state.slot[sub]);
     }
     let doubtful = candidates & !sure;
     let mut decided = sure != 0;
-    if doubtful != 0 {
+    if V::EXACT && doubtful != 0 {
         decided |= settle::<ANY>(bvh, packet, state, [doubtful, pierced.bits()], sub, slot);
     }
     decided
@@ -228,6 +231,7 @@ fn settle<const ANY: bool>(
     sub: usize,
     slot: u32,
 ) -> bool {
+    state.doubts += u64::from(doubtful.count_ones());
     let mut duel = Duel::new(bvh, &state.frame, slot);
     let mut decided = false;
     while doubtful != 0 {

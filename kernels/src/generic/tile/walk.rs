@@ -10,6 +10,7 @@ use crate::{
     node::{BvhView, EMPTY_NODE, Node, NodeRef},
     packet::TilePacket,
     simd::Simd,
+    visibility::Policy,
 };
 
 /// A subtree that some sub-packets still have to visit.
@@ -23,7 +24,7 @@ struct Entry {
 
 /// Walks the tree from `root`.
 #[inline(always)]
-pub(super) fn traverse<S: Simd, const ANY: bool>(
+pub(super) fn traverse<S: Simd, V: Policy, const ANY: bool>(
     s: S,
     bvh: &BvhView,
     packet: &TilePacket,
@@ -43,15 +44,15 @@ pub(super) fn traverse<S: Simd, const ANY: bool>(
         match entry {
             None => now = true,
             Some(entry) if entry.node.is_leaf() => {
-                list(s, bvh, state, leaves, entry.node, entry.subs);
+                list::<S, V>(s, bvh, state, leaves, entry.node, entry.subs);
                 now = true;
             }
-            Some(entry) => now |= children(s, bvh, packet, state, leaves, &mut stack, entry),
+            Some(entry) => now |= children::<S, V>(s, bvh, packet, state, leaves, &mut stack, entry),
         }
         if state.batch.is_empty() {
             leaves.release();
         } else if now || state.batch.is_enough() {
-            work_off::<S, ANY>(s, bvh, packet, state, leaves);
+            work_off::<S, V, ANY>(s, bvh, packet, state, leaves);
             if ANY && state.live_subs == 0 {
                 return;
             }
@@ -77,7 +78,7 @@ fn next<S: Simd>(s: S, state: &State, stack: &mut Stack<Entry>) -> Option<Entry>
 /// Tests a node's children: lists the triangles of leaves, pushes inner nodes, the nearest last. True if a leaf had
 /// to be pushed, because its set-up would replace one that is still needed.
 #[inline(always)]
-fn children<S: Simd>(
+fn children<S: Simd, V: Policy>(
     s: S,
     bvh: &BvhView,
     packet: &TilePacket,
@@ -87,7 +88,7 @@ fn children<S: Simd>(
     entry: Entry,
 ) -> bool {
     let node = &bvh.nodes[entry.node.index()];
-    let left = state.project(s, node);
+    let left = state.project::<S, V>(s, node);
     let is_leaf = node.leaves(s);
     let mut left_leaves = left & is_leaf;
     let mut left_nodes = left & !is_leaf;
@@ -119,7 +120,7 @@ fn children<S: Simd>(
             stack.push(Entry { node, subs, near: state.boxes.near(child) });
             pushed = true;
         } else {
-            list(s, bvh, state, leaves, node, subs);
+            list::<S, V>(s, bvh, state, leaves, node, subs);
         }
     }
     pushed

@@ -203,7 +203,7 @@ fn shadow_streams<'a>(
         for patch in &stage.patches {
             visible.clone_from(&patch.rays.visible);
             let traced = shadows.trace(&traversal, position, &patch.shadow_rays(), &mut seed, &mut visible);
-            sum.words([traced as u32]);
+            sum.words([traced.rays as u32]);
             sum.floats(&visible);
         }
     })

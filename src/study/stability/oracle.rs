@@ -196,10 +196,10 @@ mod tests {
 
     #[test]
     fn sure_signs_are_right_and_unsure_ones_are_told() {
-        assert_eq!(met(triangle().map(Vec3::to_array), [0.25, 0.25, 3.0]), Met::Yes);
-        assert_eq!(met(triangle().map(Vec3::to_array), [0.5, 0.5, 3.0]), Met::Maybe);
-        assert_eq!(met(triangle().map(Vec3::to_array), [0.5, 0.5f32.next_up(), 3.0]), Met::No);
-        assert_eq!(met(triangle().map(Vec3::to_array), [0.5, 0.5f32.next_down(), 3.0]), Met::Yes);
+        assert_eq!(met(triangle().map(|p| p.to_array()), [0.25, 0.25, 3.0]), Met::Yes);
+        assert_eq!(met(triangle().map(|p| p.to_array()), [0.5, 0.5, 3.0]), Met::Maybe);
+        assert_eq!(met(triangle().map(|p| p.to_array()), [0.5, 0.5f32.next_up(), 3.0]), Met::No);
+        assert_eq!(met(triangle().map(|p| p.to_array()), [0.5, 0.5f32.next_down(), 3.0]), Met::Yes);
     }
 
     #[test]

@@ -32,17 +32,16 @@ fn embree_174_vertices_of_a_closed_half_sphere() {
     all_hit(&mesh, v(0.1, 0.3, -0.05), &corners_and_middles(&mesh));
 }
 
-/// A tube of 12 sides around the y axis.
+/// A tube of 12 sides and two storeys around the y axis: 48 triangles.
 fn cylinder(radius: f32) -> Vec<[Vec3; 3]> {
     let at = |i: usize, y: f32| {
         let phi = std::f32::consts::TAU * (i % 12) as f32 / 12.0;
         v(radius * phi.cos(), y, radius * phi.sin())
     };
-    (0..12)
-        .flat_map(|i| {
-            [[at(i, -1.0), at(i + 1, -1.0), at(i, 1.0)], [at(i + 1, 1.0), at(i, 1.0), at(i + 1, -1.0)]]
-        })
-        .collect()
+    let panel = |i: usize, low: f32, high: f32| {
+        [[at(i, low), at(i + 1, low), at(i, high)], [at(i + 1, high), at(i, high), at(i + 1, low)]]
+    };
+    (0..12).flat_map(|i| [panel(i, -1.0, 0.0), panel(i, 0.0, 1.0)].concat()).collect()
 }
 
 /// embree#181: ten nested cylinders, rays through a vertex; adding a mesh that has nothing to do with it changes the
@@ -50,9 +49,11 @@ fn cylinder(radius: f32) -> Vec<[Vec3; 3]> {
 #[test]
 fn embree_181_an_unrelated_mesh_changes_nothing() {
     let mut triangles: Vec<[Vec3; 3]> = (1..=10).flat_map(|i| cylinder(0.1 * i as f32)).collect();
-    let targets = corners_and_middles(&mesh_of(&triangles[..24]));
+    // The rims are open.
+    let mut targets = corners_and_middles(&mesh_of(&triangles[..48]));
+    targets.retain(|p| p.y.abs() < 0.9);
     let alone = all_hit(&mesh_of(&triangles), v(0.01, 0.1, 0.02), &targets);
-    assert!(alone.iter().all(|hit| hit.prim < 24), "the innermost is hit first");
+    assert!(alone.iter().all(|hit| hit.prim < 48), "the innermost is hit first");
     triangles.extend((0..50).map(|i| [v(5.0, i as f32, 5.0), v(6.0, i as f32, 5.0), v(5.0, i as f32, 6.0)]));
     assert_eq!(all_hit(&mesh_of(&triangles), v(0.01, 0.1, 0.02), &targets), alone);
 }
@@ -70,7 +71,7 @@ fn embree_188_an_edge_belongs_to_both_triangles() {
 /// embree#381: a closed sphere of radius 5 seen from (100, 0, 0) is hit at its far side, through its front.
 #[test]
 fn embree_381_no_hit_behind_the_front_of_a_sphere() {
-    let mesh = sphere(Vec3::ZERO, 5.0, 40);
+    let mesh = sphere(Vec3::ZERO, 5.0, 24);
     let eye = v(100.0, 0.0, 0.0);
     // Away from the rim, where grazing rays may meet either side.
     let front: Vec<Vec3> = corners_and_middles(&mesh).into_iter().filter(|p| p.x > 1.0).collect();
@@ -120,7 +121,7 @@ fn madmann91_51_pixel_centers_on_edges_of_a_uv_sphere() {
     for i in 0..64 {
         for j in 0..64 {
             let (x, y) = ((i as f32 - 32.0) / 64.0, (j as f32 - 32.0) / 64.0);
-            rays.push(ray(v(0.0, 0.0, -3.0), v(x * 0.5, y * 0.5, 1.0)));
+            rays.push(ray(v(0.0, 0.0, -3.0), v(x * 0.4, y * 0.4, 1.0)));
         }
     }
     assert!(rays.iter().any(|ray| ray.dir[0] == 0.0));
@@ -180,7 +181,7 @@ fn three_js_11449_edges_of_a_box() {
 #[test]
 fn parry_444_holes_between_small_triangles() {
     let mesh = sphere(v(0.02, 0.11, 0.0), 0.08, 48);
-    let targets: Vec<Vec3> = corners_and_middles(&mesh).into_iter().step_by(7).collect();
+    let targets: Vec<Vec3> = corners_and_middles(&mesh).into_iter().step_by(23).collect();
     all_hit(&mesh, v(0.021, 0.105, 0.003), &targets);
 }
 

@@ -1,6 +1,7 @@
 //! The commands as users run them: results, files, exit codes, and one sentence for each mistake.
 
 mod bench;
+mod stability;
 mod trace;
 
 use assert_cmd::Command;

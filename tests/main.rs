@@ -11,6 +11,9 @@ mod entries; // kernels without calls
 mod images;
 mod layering; // who may know whom
 mod light; // direct light against a plain reference
+mod properties; // hits against rational numbers, on random input
+mod rational; // the exact oracle
+mod reported; // defects reported of other ray tracers
 mod scene_load; // readers, scene descriptions, names
 mod spawn; // rays that start on surfaces
 mod support; // oracles, meshes, random numbers

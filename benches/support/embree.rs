@@ -91,6 +91,11 @@ impl<const W: usize> Rays<W> {
         (self.geom[i] != INVALID).then_some(self.prim[i])
     }
 
+    /// Depth of ray `i`'s hit after [`Scene::intersect`].
+    pub fn depth(&self, i: usize) -> f32 {
+        self.tfar[i]
+    }
+
     /// Whether ray `i` of the group was found blocked by [`Scene::occluded`].
     pub fn blocked(&self, i: usize) -> bool {
         self.valid[i] != 0 && self.tfar[i] == f32::NEG_INFINITY

@@ -6,7 +6,10 @@ use crate::{
     kernels::Visibility,
     scene::procedural,
     schedule::Strategy,
-    study::bench::{Engine, Kind},
+    study::{
+        bench::{Engine, Kind},
+        stability::Kernel,
+    },
     tile::Order,
     trace::KernelChoice,
 };
@@ -50,6 +53,8 @@ pub(super) enum Command {
     Bench(BenchArgs),
     /// Trace a file of arbitrary rays
     Trace(TraceArgs),
+    /// Prove that visibility is exact: aimed rays, hard meshes, spawned rays, every kernel and instruction set
+    Stability(StabilityArgs),
 }
 
 /// `irt render`.
@@ -270,6 +275,43 @@ pub(super) struct TraceArgs {
     /// Time to spend on the tree
     #[arg(long, default_value = BuildPreset::default().name(), value_parser = one_of::<BuildPreset>())]
     pub(super) build: BuildPreset,
+}
+
+/// `irt stability`.
+#[derive(Args, Debug)]
+pub(super) struct StabilityArgs {
+    /// The small battery, for every change: less than a minute on two cores
+    #[arg(long)]
+    pub(super) quick: bool,
+    /// Rays aimed at vertices and edges, over all cells; the other parts grow with it [default: 100000000, quick 2000000]
+    #[arg(
+        long, value_name = "N",
+        value_parser = whole(1..=1_000_000_000_000u64), allow_negative_numbers = true
+    )]
+    pub(super) rays: Option<u64>,
+    /// Instruction set to test; auto tests all of this machine
+    #[arg(long, default_value = "auto", value_parser = one_of::<IsaChoice>())]
+    pub(super) isa: IsaChoice,
+    /// Kernels to test, beside single rays, which all are compared with [default: all]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = one_of::<Kernel>())]
+    pub(super) kernel: Option<Vec<Kernel>>,
+    /// Engines at the closed meshes; embree needs a build with that feature
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "irt", value_parser = one_of::<Engine>())]
+    pub(super) engines: Vec<Engine>,
+    /// How hits are decided: exact, or fast, which shows that the battery finds leaks
+    #[arg(long, default_value = Visibility::default().name(), value_parser = one_of::<Visibility>())]
+    pub(super) visibility: Visibility,
+    /// Threads that test [default: one per physical core]
+    #[arg(long, value_name = "N", value_parser = whole(1..=1024usize), allow_negative_numbers = true)]
+    pub(super) threads: Option<usize>,
+    /// Seed of everything that is random
+    #[arg(
+        long, value_name = "N", default_value = "0",
+        value_parser = whole(0..=u64::MAX), allow_negative_numbers = true
+    )]
+    pub(super) seed: u64,
+    #[command(flatten)]
+    pub(super) export: ExportArgs,
 }
 
 /// Files that a printed table is also written to.

@@ -15,6 +15,7 @@ mod interrupt;
 mod options;
 mod render;
 mod scenes;
+mod stability;
 mod terminal;
 mod trace;
 mod usage;
@@ -48,6 +49,7 @@ fn run(command: &Command, talk: Talk) -> Result<()> {
         Command::Scenes(args) => scenes::run(args),
         Command::Bench(args) => bench::run(args, talk),
         Command::Trace(args) => trace::run(args, talk),
+        Command::Stability(args) => stability::run(args, talk),
     }
 }
 

@@ -4,6 +4,7 @@
 use super::args::Talk;
 use crate::error::{Error, Result};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::cell::Cell;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::{panic, thread};
 
@@ -105,6 +106,48 @@ impl Progress {
 }
 
 impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// How far a command of several stages is: a bar where standard error is a terminal, else a line for each stage.
+pub(super) struct Meter {
+    bar: ProgressBar,
+    quiet: bool,
+    lines: bool,
+    stage: Cell<&'static str>,
+}
+
+impl Meter {
+    pub(super) fn new(talk: Talk) -> Meter {
+        let lines = !io::stderr().is_terminal();
+        let bar = if talk.quiet || lines {
+            ProgressBar::hidden()
+        } else {
+            ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(10))
+        };
+        if let Ok(style) = ProgressStyle::with_template("{msg:>14} {wide_bar} {percent:>3} %, {eta} left") {
+            bar.set_style(style);
+        }
+        Meter { bar, quiet: talk.quiet, lines, stage: Cell::new("") }
+    }
+
+    /// `done` of `of` pieces of `stage` are done.
+    pub(super) fn tell(&self, stage: &'static str, done: u64, of: u64) {
+        if self.stage.replace(stage) != stage {
+            self.bar.reset();
+            self.bar.set_length(of);
+            self.bar.set_message(stage);
+            if self.lines && !self.quiet {
+                note(&format!("irt: {stage}\n"));
+            }
+        }
+        self.bar.set_position(done);
+    }
+}
+
+impl Drop for Meter {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }

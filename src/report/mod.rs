@@ -7,6 +7,7 @@ mod json;
 mod markdown;
 mod micro;
 mod number;
+mod stability;
 mod statistics;
 mod summary;
 mod table;
@@ -17,6 +18,10 @@ pub use builds::builds_table;
 pub use json::to_json;
 pub use micro::micro_table;
 pub use number::{bytes, count, significant};
+pub use stability::{
+    stability_cells, stability_errors, stability_fuzz, stability_images, stability_kernels, stability_places,
+    stability_spawn,
+};
 pub use statistics::Statistics;
 pub use summary::{BuildSummary, FrameSummary, RayCounts, StageSeconds, Summary, WorkerSummary};
 pub use table::{Cell, Table};

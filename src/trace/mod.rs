@@ -121,7 +121,12 @@ impl<'a> Traversal<'a> {
 
     /// First hit of a single ray.
     pub fn intersect_ray(&self, ray: &Ray) -> Hit {
-        self.kernels.intersect(&self.view, ray)
+        self.intersect_ray_counted(ray, &mut 0)
+    }
+
+    /// First hit of a single ray; adds to `doubts` the number of triangles that exact arithmetic decided.
+    pub fn intersect_ray_counted(&self, ray: &Ray, doubts: &mut u64) -> Hit {
+        self.kernels.intersect_counted(&self.view, ray, doubts)
     }
 
     /// First hits of any rays, which need have nothing in common: quicker than one by one. As

@@ -87,8 +87,11 @@ impl Duel {
 }
 
 /// An interval of inverse depths around canonical depth `t`, wide enough for its rounding.
+///
+/// Depth 0, or -0, is a hit like any other: its interval begins at the greatest float instead of infinity, so that
+/// the product with the depth of a box that begins at the origin is 0, and others at that depth still compete.
 #[inline(always)]
 pub(crate) fn inverse_interval(t: f64) -> (f32, f32) {
-    let w = 1.0 / t;
-    ((w * (1.0 - 5.0e-7)) as f32, (w * (1.0 + 5.0e-7)) as f32)
+    let w = 1.0 / t.abs();
+    (((w * (1.0 - 5.0e-7)) as f32).min(f32::MAX), (w * (1.0 + 5.0e-7)) as f32)
 }

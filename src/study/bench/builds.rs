@@ -108,7 +108,7 @@ impl BuildRow {
 
 fn builders(scene: &Scene, options: &BenchOptions) -> Result<Vec<Builder>> {
     let mut builders: Vec<Builder> = BuildPreset::ALL.into_iter().map(Builder::Irt).collect();
-    super::peers::check(options)?;
+    super::peers::check(&options.engines)?;
     #[cfg(feature = "embree")]
     if options.engines.contains(&Engine::Embree) {
         use super::peers::{Library, embree::Quality, unavailable};

@@ -10,7 +10,7 @@
 mod builds;
 mod irt;
 pub mod micro;
-mod peers;
+pub(super) mod peers;
 mod rays;
 mod timer;
 
@@ -132,7 +132,15 @@ pub struct Row {
 /// [`Error::Flag`] for an engine or instruction set that this machine or build lacks.
 pub fn check(options: &BenchOptions) -> Result<()> {
     choose_kernels(options.isa)?;
-    peers::check(options)
+    check_engines(&options.engines)
+}
+
+/// Finds out whether all engines can be had.
+///
+/// # Errors
+/// [`Error::Flag`] if one of them cannot.
+pub fn check_engines(engines: &[Engine]) -> Result<()> {
+    peers::check(engines)
 }
 
 /// Measures all kinds on one scene; `tell` hears of each kind before it is measured.

@@ -14,8 +14,8 @@ const UNIT: usize = 4096;
 ///
 /// # Errors
 /// As [`Peers::new`].
-pub(super) fn check(options: &BenchOptions) -> Result<()> {
-    if !options.engines.contains(&Engine::Embree) {
+pub(super) fn check(engines: &[Engine]) -> Result<()> {
+    if !engines.contains(&Engine::Embree) {
         return Ok(());
     }
     #[cfg(feature = "embree")]
@@ -53,7 +53,7 @@ impl Peers {
                 .map_err(unavailable)?,
         });
         #[cfg(not(feature = "embree"))]
-        check(options).map(|()| Peers { obvhs })
+        check(&options.engines).map(|()| Peers { obvhs })
     }
 
     /// The modes of one engine for a set of rays.
@@ -73,7 +73,7 @@ impl Peers {
     }
 }
 
-pub(super) fn unavailable(what: String) -> Error {
+pub(in crate::study) fn unavailable(what: String) -> Error {
     let remedy = "build with --features embree and set IRT_EMBREE to the library (see the README), or leave embree out";
     Error::flag("--engines", format!("Embree is not available: {what}"), remedy)
 }
@@ -119,7 +119,7 @@ impl Mode for Obvhs<'_> {
 
 #[cfg(feature = "embree")]
 #[path = "../../../benches/support/embree.rs"]
-pub(super) mod embree;
+pub(in crate::study) mod embree;
 
 #[cfg(feature = "embree")]
 mod embree_modes {

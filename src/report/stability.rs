@@ -1,7 +1,7 @@
 //! Tables and machine-readable rows of `irt stability`.
 
 use super::{Cell, Table};
-use crate::study::stability::{Accuracy, Place, Report, Tally};
+use crate::study::stability::{Accuracy, Offset, Place, Report, Tally};
 
 /// All cells of the closed meshes: instruction set x kernel x place, and the other engines.
 pub fn stability_cells(report: &Report) -> Table {
@@ -146,7 +146,8 @@ pub fn stability_spawn(report: &Report) -> Table {
     for at in places {
         let cells = || report.spawn.cells.iter().filter(move |cell| cell.place == at);
         let rays: u64 = cells().map(|cell| cell.rays).sum();
-        let offset: f64 = cells().map(|cell| cell.offset[0]).sum();
+        let mut offset = Offset::default();
+        cells().for_each(|cell| offset.merge(cell.offset));
         table.push([
             format!("{:e}", at.radius).into(),
             (f64::from(at.center.x) / f64::from(at.radius)).round().into(),
@@ -154,8 +155,8 @@ pub fn stability_spawn(report: &Report) -> Table {
             cells().map(|cell| cell.self_hits).sum::<u64>().into(),
             cells().map(|cell| cell.lost).sum::<u64>().into(),
             cells().map(|cell| cell.facet).sum::<u64>().into(),
-            (offset / rays as f64).into(),
-            cells().map(|cell| cell.offset[1]).fold(0.0, f64::max).into(),
+            offset.mean(rays).into(),
+            offset.most.into(),
         ]);
     }
     table

@@ -86,7 +86,7 @@ fn embree_381_no_hit_behind_the_front_of_a_sphere() {
 fn embree_109_edges_through_the_middle_of_the_image() {
     let (a, b) = (v(-3.0, -2.0, 5.0), v(3.0, 2.0, 5.0));
     let mesh = mesh_of(&[[a, b, v(3.0, -4.0, 5.0)], [b, a, v(-3.0, 4.0, 5.0)]]);
-    let along: Vec<Vec3> = (0..=64).map(|i| a + (b - a) * (i as f32 / 64.0)).collect();
+    let along: Vec<Vec3> = (1..64).map(|i| a + (b - a) * (i as f32 / 64.0)).collect();
     all_hit(&mesh, Vec3::ZERO, &along);
 }
 

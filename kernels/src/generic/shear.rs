@@ -71,7 +71,9 @@ impl<S: Lanes<W>, const W: usize> Sheared<S, W> {
     pub(super) fn depths<V: Policy>(&self, s: S, corners: &[[F32<S, W>; 3]; 3]) -> [F32<S, W>; 2] {
         let [e0, e1, e2] = self.edges;
         let inverse = F32::splat(s, 1.0) / (e0 + e1 + e2);
-        let depth = (e0 * corners[0][2] + e1 * corners[1][2] + e2 * corners[2][2]) * inverse;
+        // Weights before depths: products of three coordinates may overflow, and then pass for a depth far away.
+        let [w0, w1, w2] = [e0 * inverse, e1 * inverse, e2 * inverse];
+        let depth = w0 * corners[0][2] + w1 * corners[1][2] + w2 * corners[2][2];
         if !V::EXACT {
             return [depth, depth];
         }

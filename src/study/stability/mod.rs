@@ -32,7 +32,7 @@ pub use kernel::{Answers, Batch, Kernel, Tracer, same};
 pub use leaks::Leaks;
 pub use peers::PeerCell;
 pub use random::Random;
-pub use spawn::{Spawn, SpawnCell};
+pub use spawn::{Offset, Spawn, SpawnCell};
 pub use tally::{Cell, First, Place, Tally};
 
 use super::bench::Engine;

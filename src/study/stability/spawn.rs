@@ -56,8 +56,36 @@ pub struct SpawnCell {
     pub lost: u64,
     /// Those that met the source's other half instead.
     pub facet: u64,
-    /// Sum and maximum of the distances between the spawned origin and the source's plane, in sizes.
-    pub offset: [f64; 2],
+    /// Distances between the spawned origins and the source's plane, in sizes.
+    pub offset: Offset,
+}
+
+/// Distances; their sum does not depend on the order in which they are added.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Offset {
+    /// In units of 2^-64.
+    sum: u128,
+    /// The greatest.
+    pub most: f64,
+}
+
+impl Offset {
+    const UNIT: f64 = (1u128 << 64) as f64;
+
+    fn of(distance: f64) -> Offset {
+        Offset { sum: (distance * Offset::UNIT) as u128, most: distance }
+    }
+
+    /// Adds others.
+    pub fn merge(&mut self, other: Offset) {
+        self.sum = self.sum.saturating_add(other.sum);
+        self.most = self.most.max(other.most);
+    }
+
+    /// The mean of `count` distances.
+    pub fn mean(&self, count: u64) -> f64 {
+        self.sum as f64 / Offset::UNIT / count as f64
+    }
 }
 
 /// What became of all.
@@ -137,7 +165,7 @@ impl State {
                     self_hits: 0,
                     lost: 0,
                     facet: 0,
-                    offset: [0.0; 2],
+                    offset: Offset::default(),
                 }));
             }
         }
@@ -151,7 +179,7 @@ impl State {
             cell.self_hits += other.self_hits;
             cell.lost += other.lost;
             cell.facet += other.facet;
-            cell.offset = [cell.offset[0] + other.offset[0], cell.offset[1].max(other.offset[1])];
+            cell.offset.merge(other.offset);
         }
         self.spawn.first.merge(other.spawn.first);
         self.failed = self.failed.take().or(other.failed);
@@ -191,11 +219,11 @@ impl State {
         Ok(())
     }
 
-    fn count(&mut self, at: usize, batch: &Batch, offset: [f64; 2], number: u64) {
+    fn count(&mut self, at: usize, batch: &Batch, offset: Offset, number: u64) {
         let State { spawn, answers, .. } = self;
         let cell = &mut spawn.cells[at];
         cell.rays += batch.rays().len() as u64;
-        cell.offset = [cell.offset[0] + offset[0], cell.offset[1].max(offset[1])];
+        cell.offset.merge(offset);
         for (i, &blocked) in answers.blocked.iter().enumerate() {
             let prim = answers.hits.get(i).map(|hit| hit.prim);
             let own = prim == Some(SOURCE);
@@ -287,8 +315,10 @@ impl Scene {
         if let Some(light) = light {
             return points.into_iter().filter_map(|point| to_light(point, light)).collect();
         }
-        let starts = source.kernels().run(Starts { scene: self, u: &u, v: &v });
-        starts.into_iter().filter_map(|start| self.outgoing(start, random)).collect()
+        let mut starts = [vec![0.0; RAYS], vec![0.0; RAYS], vec![0.0; RAYS]];
+        source.kernels().run(Starts { scene: self, u: &u, v: &v, starts: &mut starts });
+        let start = |i: usize| [starts[0][i], starts[1][i], starts[2][i]];
+        (0..RAYS).filter_map(|i| self.outgoing(start(i), random)).collect()
     }
 
     /// A ray into any direction above the source, but not so flat that it could pass the neighbour.
@@ -305,14 +335,16 @@ impl Scene {
         })
     }
 
-    /// How far the spawned rays start (or the lit ones end) from the source's plane: sum and maximum, in sizes.
-    fn offset(&self, rays: &[Ray], lit: bool) -> [f64; 2] {
+    /// How far the spawned rays start (or the lit ones end) from the source's plane, in sizes.
+    fn offset(&self, rays: &[Ray], lit: bool) -> Offset {
         let distance = |ray: &Ray| {
             let reach = if lit { f64::from(ray.tfar) } else { 0.0 };
             let end = DVec3::from(ray.org.map(f64::from)) + reach * DVec3::from(ray.dir.map(f64::from));
             (end - self.corners[0].as_dvec3()).dot(self.normal).abs() / f64::from(self.size)
         };
-        rays.iter().map(distance).fold([0.0, 0.0], |[sum, most], x| [sum + x, f64::max(most, x)])
+        let mut offset = Offset::default();
+        rays.iter().map(distance).for_each(|distance| offset.merge(Offset::of(distance)));
+        offset
     }
 }
 
@@ -321,25 +353,31 @@ struct Starts<'a> {
     scene: &'a Scene,
     u: &'a [f32],
     v: &'a [f32],
+    /// By axis.
+    starts: &'a mut [Vec<f32>; 3],
 }
 
 impl SimdKernel for Starts<'_> {
-    type Output = Vec<[f32; 3]>;
+    type Output = ();
 
     #[inline(always)]
-    fn run<S: Simd>(self, s: S) -> Vec<[f32; 3]> {
-        let normal = self.scene.normal.as_vec3();
-        let splat = |v: Vec3| [F32::<S, SUB>::splat(s, v.x), F32::splat(s, v.y), F32::splat(s, v.z)];
-        let corners = self.scene.corners.map(splat);
-        let mut starts = Vec::with_capacity(self.u.len());
+    fn run<S: Simd>(self, s: S) {
+        let [a, b, c] = self.scene.corners;
+        let corners = [splat(s, a), splat(s, b), splat(s, c)];
+        let normal = splat(s, self.scene.normal.as_vec3());
         for at in (0..self.u.len()).step_by(SUB) {
             let hit = [F32::load_at(s, self.u, at), F32::load_at(s, self.v, at)];
-            let start = Footing::new(s, &corners, hit).start(s, &splat(normal));
-            let [x, y, z] = [start[0].to_array(), start[1].to_array(), start[2].to_array()];
-            starts.extend((0..SUB).map(|lane| [x[lane], y[lane], z[lane]]));
+            let start = Footing::new(s, &corners, hit).start(s, &normal);
+            for axis in 0..3 {
+                start[axis].store_at(&mut self.starts[axis], at);
+            }
         }
-        starts
     }
+}
+
+#[inline(always)]
+fn splat<S: Simd>(s: S, v: Vec3) -> [F32<S, SUB>; 3] {
+    [F32::splat(s, v.x), F32::splat(s, v.y), F32::splat(s, v.z)]
 }
 
 /// The segment from a light to a point, as packets take it.

@@ -221,6 +221,12 @@ impl Embree {
     }
 }
 
+// SAFETY: Embree's interface may be called from any thread; the device counts its references atomically, and the library
+// and its functions do not change.
+unsafe impl Send for Embree {}
+// SAFETY: as above.
+unsafe impl Sync for Embree {}
+
 impl Drop for Embree {
     fn drop(&mut self) {
         // SAFETY: the device is ours and no scene outlives it ('a of `scene`).

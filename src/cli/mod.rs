@@ -8,6 +8,7 @@
 
 mod args;
 mod bench;
+mod coherence;
 mod effects;
 mod export;
 mod inspect;
@@ -48,6 +49,7 @@ fn run(command: &Command, talk: Talk) -> Result<()> {
         Command::Scenes(args) => scenes::run(args),
         Command::Bench(args) => bench::run(args, talk),
         Command::Trace(args) => trace::run(args, talk),
+        Command::Coherence(args) => coherence::run(args, talk),
     }
 }
 

@@ -5,7 +5,10 @@ use crate::{
     kernels::{Isa, Visibility},
     scene::{MAX_PIXELS, MAX_SIDE},
     schedule::Strategy,
-    study::bench::{Engine, Kind},
+    study::{
+        bench::{Engine, Kind},
+        coherence::ShadowRays,
+    },
     tile::Order,
     trace::KernelChoice,
 };
@@ -35,7 +38,7 @@ macro_rules! modes {
     )*};
 }
 
-modes!(BuildPreset, Engine, Isa, KernelChoice, Kind, Order, Strategy, Visibility);
+modes!(BuildPreset, Engine, Isa, KernelChoice, Kind, Order, ShadowRays, Strategy, Visibility);
 
 /// What `--isa` takes.
 #[derive(Clone, Copy, Debug)]

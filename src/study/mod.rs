@@ -1,3 +1,4 @@
 //! Experiments: what irt measures about itself and beside others.
 
 pub mod bench;
+pub mod coherence;

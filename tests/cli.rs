@@ -2,6 +2,7 @@
 
 mod bench;
 mod stability;
+mod coherence;
 mod trace;
 
 use assert_cmd::Command;
@@ -186,7 +187,7 @@ fn each_bad_flag_is_answered_with_one_sentence_that_names_it() {
         ("--camera-up 0,0,0", "--camera-up"),
         ("--light 1,2,3,4", "--light"),
         ("--isa neon", "--isa"),
-        ("--order morton", "--order"),
+        ("--order spiral", "--order"),
         ("--schedule stealing", "--schedule"),
         ("--kernel best", "--kernel"),
         ("--build best", "--build"),
@@ -204,8 +205,8 @@ fn each_bad_flag_is_answered_with_one_sentence_that_names_it() {
 
 #[test]
 fn unknown_values_are_answered_with_those_there_are() {
-    let message = Folder::new().fail("render --order morton", 2);
-    assert!(message.ends_with("use one of: scanline, hilbert"), "{message}");
+    let message = Folder::new().fail("render --order spiral", 2);
+    assert!(message.ends_with("use one of: scanline, serpentine, hilbert, morton, peano"), "{message}");
     for isa in irt::kernels::Isa::ALL.into_iter().filter(|isa| !isa.is_available()) {
         let message = Folder::new().fail(&format!("render --isa {isa}"), 2);
         assert!(message.starts_with("--isa: this machine has no") && message.contains("scalar"), "{message}");

@@ -7,7 +7,7 @@ use irt::{
     scene::{Scene, procedural},
     schedule::{Control, Strategy},
     tile::Order,
-    trace::KernelChoice,
+    trace::{EarlyTermination, KernelChoice},
 };
 
 const BASE: RenderOptions = RenderOptions {
@@ -24,6 +24,7 @@ const BASE: RenderOptions = RenderOptions {
     frames: 1,
     build: BuildPreset::Fast,
     seed: 0,
+    early: EarlyTermination::FASTEST,
 };
 
 fn hash(scene: &Scene, options: &RenderOptions) -> String {

@@ -11,7 +11,7 @@ use irt::{
     scene::{CameraDescription, Falloff, Light, Material, Scene},
     schedule::{Control, Strategy},
     tile::Order,
-    trace::KernelChoice,
+    trace::{EarlyTermination, KernelChoice},
 };
 
 const SIZE: [u32; 2] = [72, 50];
@@ -99,6 +99,7 @@ fn film(scene: &Scene, isa: Option<Isa>, kernel: KernelChoice, tile: u32) -> (Fi
         frames: 1,
         build: BuildPreset::Fast,
         seed: 0,
+        early: EarlyTermination::FASTEST,
     };
     let mut rendered = render(scene, &options, &Control::unattended()).expect("renders");
     assert_eq!(rendered.nan, None);

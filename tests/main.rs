@@ -5,6 +5,7 @@ mod bad_input; // numbers without a meaning
 mod batch; // many rays at once against single rays
 mod beam; // beams of general rays against single rays
 mod build; // trees on every kind of input
+mod early; // early terminations and orders; the study of coherence
 mod cli; // the commands as users run them
 #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
 mod entries; // kernels without calls
@@ -14,6 +15,7 @@ mod light; // direct light against a plain reference
 mod properties; // hits against rational numbers, on random input
 mod rational; // the exact oracle
 mod reported; // defects reported of other ray tracers
+mod probe; // the counting kernel against brute force
 mod scene_load; // readers, scene descriptions, names
 mod spawn; // rays that start on surfaces
 mod support; // oracles, meshes, random numbers

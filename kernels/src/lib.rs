@@ -38,7 +38,8 @@ mod visibility;
 pub use arch::Scalar;
 pub use dispatch::Kernels;
 pub use generic::flight::Flight;
-pub use generic::tile::{TileScratch, micro};
+pub use generic::probe;
+pub use generic::tile::{SEEDS, TileEarly, TileScratch, micro};
 pub use isa::{Isa, ParseIsaError};
 pub use node::{BvhView, EMPTY_NODE, MAX_DEPTH, Node, NodeKind, NodeRef, TriBlock};
 pub use packet::{

@@ -8,10 +8,11 @@ use crate::{
     schedule::Strategy,
     study::{
         bench::{Engine, Kind},
+        coherence::ShadowRays,
         stability::Kernel,
     },
     tile::Order,
-    trace::KernelChoice,
+    trace::{EarlyTermination, KernelChoice},
 };
 use clap::{Args, Parser, Subcommand};
 use glam::Vec3;
@@ -55,6 +56,8 @@ pub(super) enum Command {
     Trace(TraceArgs),
     /// Prove that visibility is exact: aimed rays, hard meshes, spawned rays, every kernel and instruction set
     Stability(StabilityArgs),
+    /// Repeat the thesis' study of coherence: what consecutive rays share, and what remembering it saves
+    Coherence(CoherenceArgs),
 }
 
 /// `irt render`.
@@ -165,6 +168,9 @@ pub(super) struct EngineArgs {
     /// Time to spend on the tree
     #[arg(long, default_value = BuildPreset::default().name(), value_parser = one_of::<BuildPreset>())]
     pub(super) build: BuildPreset,
+    /// Which searches of the tile kernel end early: none, or some of pet-bound, pet-seed, set, occ, area
+    #[arg(long, value_name = "LIST", default_value_t = EarlyTermination::default())]
+    pub(super) early_termination: EarlyTermination,
 }
 
 /// `irt inspect`.
@@ -310,6 +316,59 @@ pub(super) struct StabilityArgs {
         value_parser = whole(0..=u64::MAX), allow_negative_numbers = true
     )]
     pub(super) seed: u64,
+    #[command(flatten)]
+    pub(super) export: ExportArgs,
+}
+
+/// `irt coherence`.
+#[derive(Args, Debug)]
+pub(super) struct CoherenceArgs {
+    /// Scenes as for render [default: statue, office, nave, atrium, hall]
+    #[arg(value_name = "SCENE")]
+    pub(super) scenes: Vec<String>,
+    /// Width and height of the image in pixels [default: 256x256]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(super) size: Option<[u32; 2]>,
+    /// Orders in which pixels are visited
+    #[arg(
+        long, value_name = "LIST", value_delimiter = ',',
+        default_value = "scanline,serpentine,hilbert,morton,peano", value_parser = one_of::<Order>()
+    )]
+    pub(super) orders: Vec<Order>,
+    /// Walk the image tile by tile, so many pixels square; the order is that of the tiles and of the pixels in each
+    #[arg(long, value_name = "N", value_parser = whole(1..=1024u32), allow_negative_numbers = true)]
+    pub(super) tile: Option<u32>,
+    /// Timed rounds, of which the median is told; 0 counts only
+    #[arg(
+        long, value_name = "N", default_value = "3",
+        value_parser = whole(0..=1000u32), allow_negative_numbers = true
+    )]
+    pub(super) rounds: u32,
+    /// Shadow rays: from each surface to every light, as in the thesis, or to those that it is facing, as render does
+    #[arg(long, default_value = ShadowRays::default().name(), value_parser = one_of::<ShadowRays>())]
+    pub(super) shadow_rays: ShadowRays,
+    /// End shadow rays at the light; the thesis' search the whole line beyond it, and ask afterwards
+    #[arg(long)]
+    pub(super) end_at_light: bool,
+    /// Do not compare caches for areas
+    #[arg(long)]
+    pub(super) no_caches: bool,
+    /// Write the maps of figures 15 to 30 as PNG into this folder
+    #[arg(long, value_name = "FOLDER", conflicts_with = "sweep")]
+    pub(super) maps: Option<PathBuf>,
+    /// Find out instead under which conditions each order and each cache wins: the scenes in several details (built-in
+    /// ones) and sizes, each light by itself, all orders and caches, counted
+    #[arg(long, conflicts_with_all = ["size", "orders", "tile", "rounds", "shadow_rays", "end_at_light", "no_caches"])]
+    pub(super) sweep: bool,
+    /// Write the plots of --sweep as SVG into this folder
+    #[arg(long, value_name = "FOLDER", requires = "sweep")]
+    pub(super) plots: Option<PathBuf>,
+    /// Instruction set of the kernel; auto takes the widest of this machine
+    #[arg(long, default_value = "auto", value_parser = one_of::<IsaChoice>())]
+    pub(super) isa: IsaChoice,
+    /// Time to spend on the tree
+    #[arg(long, default_value = BuildPreset::default().name(), value_parser = one_of::<BuildPreset>())]
+    pub(super) build: BuildPreset,
     #[command(flatten)]
     pub(super) export: ExportArgs,
 }

@@ -4,7 +4,7 @@ use super::{args::ExportArgs, terminal};
 use crate::{
     error::{Error, Result},
     output::PendingFile,
-    report::{Table, to_json},
+    report::{Report, Table, to_json},
 };
 use serde::Serialize;
 use std::io::Write;
@@ -90,6 +90,16 @@ impl TableExports {
         let taken = self.is_stdout();
         self.write_files(table, table)?;
         if taken { Ok(()) } else { terminal::print(&table.to_terminal()) }
+    }
+
+    /// Writes several tables to the targets.
+    ///
+    /// # Errors
+    /// As [`Export::write`].
+    pub(super) fn write_report(self, report: &Report) -> Result<()> {
+        self.json.write(|| to_json(report))?;
+        self.csv.write(|| Ok(report.to_csv()))?;
+        self.markdown.write(|| Ok(report.to_markdown()))
     }
 
     /// Writes the table to its targets, but `json` as JSON.

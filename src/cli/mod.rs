@@ -8,6 +8,7 @@
 
 mod args;
 mod bench;
+mod coherence;
 mod effects;
 mod export;
 mod inspect;
@@ -50,6 +51,7 @@ fn run(command: &Command, talk: Talk) -> Result<()> {
         Command::Bench(args) => bench::run(args, talk),
         Command::Trace(args) => trace::run(args, talk),
         Command::Stability(args) => stability::run(args, talk),
+        Command::Coherence(args) => coherence::run(args, talk),
     }
 }
 

@@ -5,6 +5,7 @@ use crate::{
     error::{Error, Result},
     render::{RenderOptions, choose_kernels},
     scene::{CameraDescription, Falloff, Light, Scene},
+    trace::{EarlyTermination, KernelChoice},
 };
 use glam::Vec3;
 use std::path::Path;
@@ -23,6 +24,11 @@ pub(super) fn check(args: &RenderArgs) -> Result<()> {
         let what = format!("{} is the image already", args.output.display());
         return Err(Error::flag("--export-json", what, "choose another name for one of them"));
     }
+    let EngineArgs { kernel, early_termination, .. } = args.engine;
+    if kernel == KernelChoice::Single && early_termination != EarlyTermination::default() {
+        let remedy = "leave out --kernel single, or study single rays with irt coherence";
+        return Err(Error::flag("--early-termination", "it switches the tile kernel only", remedy));
+    }
     args.size.map_or(Ok(()), |size| check_tiles(size, args.engine.tile))
 }
 
@@ -31,7 +37,8 @@ pub(super) fn check(args: &RenderArgs) -> Result<()> {
 /// # Errors
 /// [`Error::Flag`] if the tiles are too small for the size.
 pub(super) fn render_options(args: &RenderArgs, scene: &Scene) -> Result<RenderOptions> {
-    let EngineArgs { threads, pin, isa, visibility, kernel, order, schedule, tile, build } = args.engine;
+    let EngineArgs { threads, pin, isa, visibility, kernel, order, schedule, tile, build, early_termination } =
+        args.engine;
     let size = args.size.unwrap_or(scene.size);
     check_tiles(size, tile)?;
     let isa = isa.isa();
@@ -49,6 +56,7 @@ pub(super) fn render_options(args: &RenderArgs, scene: &Scene) -> Result<RenderO
         frames,
         build,
         seed,
+        early: early_termination,
     })
 }
 

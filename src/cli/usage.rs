@@ -91,8 +91,8 @@ mod tests {
     fn every_mistake_becomes_one_sentence_with_the_flag_and_the_remedy() {
         for (line, expected) in [
             (
-                "irt render --order morton",
-                "--order: 'morton' is not available; use one of: scanline, hilbert",
+                "irt render --order spiral",
+                "--order: 'spiral' is not available; use one of: scanline, serpentine, hilbert, morton, peano",
             ),
             (
                 "irt render --threads 0",

@@ -7,6 +7,7 @@ use crate::{
     schedule::Strategy,
     study::{
         bench::{Engine, Kind},
+        coherence::ShadowRays,
         stability::Kernel,
     },
     tile::Order,
@@ -38,7 +39,7 @@ macro_rules! modes {
     )*};
 }
 
-modes!(BuildPreset, Engine, Isa, Kernel, KernelChoice, Kind, Order, Strategy, Visibility);
+modes!(BuildPreset, Engine, Isa, Kernel, KernelChoice, Kind, Order, ShadowRays, Strategy, Visibility);
 
 /// What `--isa` takes.
 #[derive(Clone, Copy, Debug)]

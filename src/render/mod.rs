@@ -6,6 +6,7 @@
 //!         -> film
 //! ```
 
+mod seeds;
 mod task;
 
 use crate::{
@@ -18,7 +19,7 @@ use crate::{
     schedule::{Control, Machine, Placement, Strategy, WorkerStats, with_workers},
     shade::SurfaceTable,
     tile::{Order, tiles},
-    trace::KernelChoice,
+    trace::{EarlyTermination, KernelChoice},
 };
 use std::time::Instant;
 use task::{Frame, RenderTask, TileReport};
@@ -50,6 +51,8 @@ pub struct RenderOptions {
     pub build: BuildPreset,
     /// Seed of the samplers.
     pub seed: u64,
+    /// Which searches of the tile kernel end early, and what they begin with.
+    pub early: EarlyTermination,
 }
 
 /// A number for each kind of rays.
@@ -130,7 +133,7 @@ pub fn render(scene: &Scene, options: &RenderOptions, control: &Control) -> Resu
         return Err(Error::Interrupted);
     }
 
-    let task = RenderTask::new(scene, &bvh, &table, kernels, options.kernel);
+    let task = RenderTask::new(scene, &bvh, &table, kernels, options);
     let [width, height] = options.size;
     let tiles = tiles(width, height, options.tile, options.order);
     let camera = Camera::new(&scene.camera, width, height);

@@ -1,16 +1,19 @@
 //! What a worker does with a tile.
 
-use super::RayTally;
+use super::{
+    RayTally, RenderOptions,
+    seeds::{HitSeeds, NONE},
+};
 use crate::{
     bvh::Bvh,
     camera::{Camera, PACKET_SIDE, pixel_of},
     film::Film,
-    kernels::{Kernels, NodeRef, TILE_RAYS, TileHits, TilePacket, TileScratch},
+    kernels::{Kernels, NodeRef, SEEDS, TILE_RAYS, TileEarly, TileHits, TilePacket, TileScratch},
     scene::{Light, Scene},
     schedule::TileTask,
     shade::{LightRays, SurfaceTable, Surfaces, add_light, light_rays},
     tile::Tile,
-    trace::{KernelChoice, NO_OCCLUDER, PointShadows, ShadowRays, Traced, Traversal},
+    trace::{EarlyTermination, NO_OCCLUDER, PointShadows, ShadowRays, Traced, Traversal},
 };
 use std::time::{Duration, Instant};
 
@@ -19,6 +22,8 @@ pub(super) struct RenderTask<'a> {
     scene: &'a Scene,
     table: &'a SurfaceTable,
     traversal: Traversal<'a>,
+    early: EarlyTermination,
+    hit_seeds: HitSeeds,
 }
 
 /// What belongs to one frame.
@@ -52,6 +57,8 @@ pub(super) struct Scratch {
     packets: Box<[TilePacket; 6]>,
     hits: Box<TileHits>,
     tile_scratch: TileScratch,
+    /// What the packet before has hit.
+    hit_last: [NodeRef; SEEDS],
     surfaces: Surfaces,
     light_rays: LightRays,
     shadows: PointShadows,
@@ -66,9 +73,11 @@ impl<'a> RenderTask<'a> {
         bvh: &'a Bvh,
         table: &'a SurfaceTable,
         kernels: Kernels,
-        choice: KernelChoice,
+        options: &RenderOptions,
     ) -> RenderTask<'a> {
-        RenderTask { scene, table, traversal: Traversal::new(bvh, kernels, choice) }
+        let RenderOptions { kernel, early, size, .. } = *options;
+        let hit_seeds = HitSeeds::new(early, size);
+        RenderTask { scene, table, traversal: Traversal::new(bvh, kernels, kernel), early, hit_seeds }
     }
 }
 
@@ -78,13 +87,16 @@ impl TileTask for RenderTask<'_> {
     type Output = TileReport;
 
     fn scratch(&self, _worker: usize) -> Scratch {
+        let mut shadows = PointShadows::default();
+        shadows.set_early(self.early);
         Scratch {
             packets: Box::new(std::array::from_fn(|_| TilePacket::new())),
             hits: Box::new(TileHits::new()),
             tile_scratch: TileScratch::new(),
+            hit_last: NONE,
             surfaces: Surfaces::default(),
             light_rays: LightRays::default(),
-            shadows: PointShadows::default(),
+            shadows,
             seeds: vec![NO_OCCLUDER; self.scene.lights.len()],
             pixels: [Vec::new(), Vec::new(), Vec::new()],
         }
@@ -106,7 +118,9 @@ impl TileTask for RenderTask<'_> {
 impl RenderTask<'_> {
     /// Primary rays: fills the surfaces of the tile, packet by packet of 16x16 pixels.
     fn see(&self, frame: &Frame, tile: Tile, scratch: &mut Scratch, clock: &mut Clock) {
-        let Scratch { packets, hits, tile_scratch, surfaces, .. } = scratch;
+        let Scratch { packets, hits, tile_scratch, hit_last, surfaces, .. } = scratch;
+        let EarlyTermination { pet_bound: bound, pet_seed, area, .. } = self.early;
+        tile_scratch.set_early(TileEarly { bound, ..TileEarly::ALL });
         let corners = packet_corners(tile);
         surfaces.reset(corners.clone().count(), self.scene.background.to_array());
         for (index, [x, y]) in corners.enumerate() {
@@ -115,7 +129,15 @@ impl RenderTask<'_> {
             let used = frame.camera.rays(self.traversal.kernels(), at, inside, packets);
             for packet in &packets[..used] {
                 clock.shade();
+                if pet_seed {
+                    let seeds = if area > 0 { self.hit_seeds.get(at) } else { *hit_last };
+                    tile_scratch.set_early(TileEarly { bound, seeds, ..TileEarly::ALL });
+                }
                 clock.report.doubts.primary += self.traversal.intersect(packet, tile_scratch, hits);
+                if pet_seed {
+                    *hit_last = tile_scratch.hit_seeds(packet);
+                    self.hit_seeds.put(at, *hit_last);
+                }
                 clock.trace();
                 surfaces.gather(self.traversal.kernels(), self.table, index, packet, hits);
             }

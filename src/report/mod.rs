@@ -2,26 +2,34 @@
 
 mod bench;
 mod builds;
+mod coherence;
 mod csv;
 mod json;
 mod markdown;
 mod micro;
 mod number;
 mod stability;
+mod plot;
 mod statistics;
 mod summary;
+mod sweep;
 mod table;
 mod terminal;
+mod titled;
 
 pub use bench::{BenchRow, bench_summary, bench_table};
 pub use builds::builds_table;
+pub use coherence::coherence_report;
 pub use json::to_json;
 pub use micro::micro_table;
 pub use number::{bytes, count, significant};
+pub use plot::{Plot, Series};
 pub use stability::{
     stability_cells, stability_errors, stability_fuzz, stability_images, stability_kernels, stability_places,
     stability_spawn,
 };
 pub use statistics::Statistics;
 pub use summary::{BuildSummary, FrameSummary, RayCounts, StageSeconds, Summary, WorkerSummary};
+pub use sweep::{finding_table, sweep_plots, sweep_report};
 pub use table::{Cell, Table};
+pub use titled::{Report, Titled};

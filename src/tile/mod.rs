@@ -5,10 +5,16 @@
 //! touch the same part of the tree.
 
 mod hilbert;
+mod morton;
+mod peano;
 mod scanline;
+mod serpentine;
 
 pub use hilbert::Hilbert;
+pub use morton::Morton;
+pub use peano::Peano;
 pub use scanline::Scanline;
+pub use serpentine::Serpentine;
 
 use crate::error::Error;
 use std::fmt;
@@ -44,20 +50,30 @@ impl Tile {
 pub enum Order {
     /// Row by row, each from left to right.
     Scanline,
+    /// Row by row, to the right and to the left in turns.
+    Serpentine,
     /// Along a Hilbert curve, generalised to any rectangle.
     #[default]
     Hilbert,
+    /// By the interleaved bits of row and column (Z order).
+    Morton,
+    /// Along a Peano curve, generalised to any rectangle.
+    Peano,
 }
 
 impl Order {
     /// Every order there is, for studies that sweep them and messages that list them.
-    pub const ALL: [Order; 2] = [Order::Scanline, Order::Hilbert];
+    pub const ALL: [Order; 5] =
+        [Order::Scanline, Order::Serpentine, Order::Hilbert, Order::Morton, Order::Peano];
 
     /// The name on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Order::Scanline => "scanline",
+            Order::Serpentine => "serpentine",
             Order::Hilbert => "hilbert",
+            Order::Morton => "morton",
+            Order::Peano => "peano",
         }
     }
 
@@ -65,7 +81,10 @@ impl Order {
     pub fn cells(self, width: u32, height: u32) -> Cells {
         match self {
             Order::Scanline => Cells::Scanline(Scanline::new(width, height)),
+            Order::Serpentine => Cells::Serpentine(Serpentine::new(width, height)),
             Order::Hilbert => Cells::Hilbert(Hilbert::new(width, height)),
+            Order::Morton => Cells::Morton(Morton::new(width, height)),
+            Order::Peano => Cells::Peano(Peano::new(width, height)),
         }
     }
 }
@@ -93,8 +112,14 @@ impl FromStr for Order {
 pub enum Cells {
     /// See [`Order::Scanline`].
     Scanline(Scanline),
+    /// See [`Order::Serpentine`].
+    Serpentine(Serpentine),
     /// See [`Order::Hilbert`].
     Hilbert(Hilbert),
+    /// See [`Order::Morton`].
+    Morton(Morton),
+    /// See [`Order::Peano`].
+    Peano(Peano),
 }
 
 impl Iterator for Cells {
@@ -103,8 +128,27 @@ impl Iterator for Cells {
     fn next(&mut self) -> Option<(u32, u32)> {
         match self {
             Cells::Scanline(cells) => cells.next(),
+            Cells::Serpentine(cells) => cells.next(),
             Cells::Hilbert(cells) => cells.next(),
+            Cells::Morton(cells) => cells.next(),
+            Cells::Peano(cells) => cells.next(),
         }
+    }
+}
+
+/// Every pixel of a `width` x `height` image once: in `order`, or tile by tile, tiles of `tile` pixels in `order` and the
+/// pixels of each tile in `order` as well.
+///
+/// # Panics
+///
+/// If `tile` is 0.
+pub fn pixels(width: u32, height: u32, order: Order, tile: Option<u32>) -> Vec<(u32, u32)> {
+    match tile {
+        None => order.cells(width, height).collect(),
+        Some(size) => tiles(width, height, size, order)
+            .into_iter()
+            .flat_map(|tile| order.cells(tile.width, tile.height).map(move |(x, y)| (tile.x + x, tile.y + y)))
+            .collect(),
     }
 }
 
@@ -145,6 +189,11 @@ mod tests {
                     }
                 }
                 assert!(count.iter().all(|&c| c == 1), "{order} {width}x{height} by {size}");
+                for tile in [None, Some(size)] {
+                    let mut cells = pixels(width, height, order, tile);
+                    cells.sort_unstable_by_key(|&(x, y)| (y, x));
+                    assert!(cells.into_iter().eq(Scanline::new(width, height)), "{order} {width}x{height}");
+                }
             }
         }
     }
@@ -171,7 +220,8 @@ mod tests {
 
     #[test]
     fn an_unknown_order_is_answered_with_the_available_ones() {
-        let message = "peano".parse::<Order>().unwrap_err().to_string();
-        assert_eq!(message, "--order: 'peano' is not available; use one of: scanline, hilbert");
+        let message = "spiral".parse::<Order>().unwrap_err().to_string();
+        let available = "scanline, serpentine, hilbert, morton, peano";
+        assert_eq!(message, format!("--order: 'spiral' is not available; use one of: {available}"));
     }
 }

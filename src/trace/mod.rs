@@ -1,9 +1,11 @@
 //! Tracing rays against a tree: the tree and the kernels behind `intersect` and `occluded`.
 
 mod batch;
+mod early;
 mod shadow;
 mod stream;
 
+pub use early::EarlyTermination;
 pub use shadow::{NO_OCCLUDER, PointShadows, ShadowRays, Traced};
 pub use stream::RayStream;
 
@@ -73,6 +75,11 @@ impl<'a> Traversal<'a> {
     /// The kernels.
     pub fn kernels(&self) -> &Kernels {
         &self.kernels
+    }
+
+    /// The tree.
+    pub fn tree(&self) -> BvhView<'a> {
+        self.view
     }
 
     /// Asks for a packet's rays ahead of tracing them; worth it where packets wait in a long array.

@@ -8,6 +8,7 @@ pub(crate) mod doubt;
 pub(crate) mod finish;
 pub(crate) mod flight;
 pub(crate) mod leaf;
+pub mod probe;
 pub(crate) mod shear;
 pub(crate) mod single;
 pub(crate) mod stack;

@@ -280,7 +280,13 @@ pub(super) fn leaf<S: Simd, V: Policy>(s: S, bvh: &BvhView, ray: &TravRay, node:
 
 /// Takes a triangle for the best hit if it is; `depth` encloses its depth if the ray passes through it beyond doubt.
 #[inline(always)]
-fn consider<V: Policy>(bvh: &BvhView, slot: u32, depth: Option<(f32, f32)>, ray: &TravRay, best: &mut Best) {
+pub(super) fn consider<V: Policy>(
+    bvh: &BvhView,
+    slot: u32,
+    depth: Option<(f32, f32)>,
+    ray: &TravRay,
+    best: &mut Best,
+) {
     if let Some((lo, hi)) = depth {
         // The second case is common: the surface that a ray has just left lies across the line behind it.
         if lo > best.hi || hi < ray.tnear * ray.d[2] * SHRINK {

@@ -9,7 +9,7 @@ use crate::{
     scene::procedural,
     schedule::{Control, Strategy},
     tile::Order,
-    trace::KernelChoice,
+    trace::{EarlyTermination, KernelChoice},
 };
 use std::collections::BTreeMap;
 
@@ -96,9 +96,10 @@ pub(super) fn run(setup: &Setup, count: u64, tell: &dyn Fn(u64)) -> Result<Image
     Ok(images)
 }
 
-const DIMENSIONS: [&str; 7] = ["isa", "kernel", "threads", "order", "schedule", "tile", "tree"];
+const DIMENSIONS: [&str; 8] =
+    ["isa", "kernel", "threads", "order", "schedule", "tile", "tree", "early termination"];
 
-fn values(options: &RenderOptions) -> [String; 7] {
+fn values(options: &RenderOptions) -> [String; 8] {
     [
         options.isa.map_or("auto", Isa::name).to_string(),
         options.kernel.to_string(),
@@ -107,6 +108,7 @@ fn values(options: &RenderOptions) -> [String; 7] {
         options.schedule.to_string(),
         format!("tiles of {:4}", options.tile),
         format!("{} tree", options.build),
+        if options.early == EarlyTermination::FASTEST { "as by default".into() } else { "another".into() },
     ]
 }
 
@@ -123,6 +125,7 @@ fn base(setup: &Setup) -> RenderOptions {
         size: SIZE,
         frames: 1,
         build: BuildPreset::Medium,
+        early: EarlyTermination::FASTEST,
         seed: 0,
     }
 }
@@ -148,6 +151,7 @@ fn singles(setup: &Setup) -> Vec<RenderOptions> {
 
 /// Any combination.
 fn any(setup: &Setup, random: &mut Random) -> Option<RenderOptions> {
+    let early: Vec<EarlyTermination> = EarlyTermination::all().collect();
     Some(RenderOptions {
         isa: Some(setup.kernels[random.below(setup.kernels.len())].isa()),
         kernel: random.of(&KernelChoice::ALL),
@@ -156,6 +160,7 @@ fn any(setup: &Setup, random: &mut Random) -> Option<RenderOptions> {
         schedule: random.of(&Strategy::ALL),
         tile: random.of(&TILES),
         build: random.of(&BuildPreset::ALL),
+        early: random.of(&early),
         ..base(setup)
     })
 }

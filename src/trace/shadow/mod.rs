@@ -12,12 +12,14 @@
 //!
 //! How rays are grouped never changes what a ray hits.
 
+mod areas;
 mod blocks;
 mod morton;
 mod packets;
 
-use super::Traversal;
-use crate::kernels::{EMPTY_NODE, Face, NodeRef, SUB, SUBS, TilePacket, TileScratch};
+use super::{EarlyTermination, Traversal};
+use crate::kernels::{EMPTY_NODE, Face, NodeRef, SUB, SUBS, TileEarly, TilePacket, TileScratch};
+use areas::Areas;
 use blocks::{Block, survey};
 use morton::{Grid, key};
 use packets::{Cast, Clear, Fill};
@@ -70,9 +72,19 @@ pub struct PointShadows {
     loose: Vec<u64>,
     packet: TilePacket,
     scratch: TileScratch,
+    early: EarlyTermination,
+    /// For OCC by areas.
+    areas: Option<Areas>,
 }
 
 impl PointShadows {
+    /// How searches end early: SET, OCC, and whether OCC remembers by areas.
+    pub fn set_early(&mut self, early: EarlyTermination) {
+        self.early = early;
+        self.areas = (early.occ && early.area > 0).then(|| Areas::new(early.area));
+        self.scratch.set_early(TileEarly { stop: early.set, ..TileEarly::ALL });
+    }
+
     /// Traces the wanted rays from `origin` and clears `visible[i]` to 0 where ray i is blocked. `seed` carries the
     /// last occluder from stream to stream.
     pub fn trace(
@@ -158,17 +170,34 @@ impl PointShadows {
         seed: &mut NodeRef,
         visible: &mut [f32],
     ) -> Traced {
-        let PointShadows { groups, order, loose, packet, scratch, .. } = self;
+        let PointShadows { groups, order, loose, packet, scratch, early, areas, .. } = self;
         packet.face = Face::ALL[face];
         packet.active = [0; SUBS];
         let kernels = traversal.kernels();
         let cast = Cast { groups, order: &order[range], loose };
         let rays = kernels.run(Fill { cast, rays, packet });
         let mut blocked = [0; SUBS];
+        let place = areas.as_ref().map(|_| first_place(packet));
+        if let Some((areas, place)) = areas.as_ref().zip(place) {
+            scratch.set_early(TileEarly { stop: early.set, seeds: areas.seeds(place), ..TileEarly::ALL });
+        }
+        if !early.occ || areas.is_some() {
+            *seed = NO_OCCLUDER;
+        }
         let doubts = traversal.occluded(packet, scratch, seed, &mut blocked);
+        if let Some((areas, place)) = areas.as_mut().zip(place).filter(|_| *seed != NO_OCCLUDER) {
+            areas.put(place, *seed);
+        }
         kernels.run(Clear { cast, blocked: &blocked, visible });
         Traced { rays, doubts }
     }
+}
+
+/// The place of a packet's first ray in the memory by areas.
+fn first_place(packet: &TilePacket) -> usize {
+    let sub = packet.active.iter().position(|&active| active != 0).unwrap_or(0);
+    let ray = sub * SUB + packet.active[sub].trailing_zeros() as usize % SUB;
+    Areas::place(packet.org, packet.face, packet.u[ray], packet.v[ray])
 }
 
 /// Sorts by key; the index makes it unique.

@@ -20,11 +20,13 @@
 
 mod block;
 mod boxes;
+mod early;
 pub mod micro;
 mod scratch;
 mod triangles;
 mod walk;
 
+pub use early::{SEEDS, TileEarly};
 pub use scratch::TileScratch;
 
 use super::{F16, Frame, doubt::NO_SLOT, finish};
@@ -72,6 +74,7 @@ struct State {
     frame: Frame,
     /// Pairs of a ray and a triangle that were decided exactly.
     doubts: u64,
+    early: TileEarly,
 }
 
 /// First hits of all active rays. Returns how many pairs of a ray and a triangle were decided exactly.
@@ -139,6 +142,7 @@ impl State {
         tile_v: [0.0; 2],
         tile_reach: 0.0,
         frame: Frame { org: [0.0; 3], axes: [1, 2, 0], flip: 0 },
+        early: TileEarly::ALL,
     };
 
     /// Forgets the previous packet.

@@ -4,12 +4,12 @@
 //! blocks: a small direct-mapped cache serves them. It changes the time, never the answer.
 
 use super::{
-    State,
+    SEEDS, State, TileEarly,
     block::{BlockPlanes, set_up},
 };
 use crate::{
     generic::{Frame, finish::Planes},
-    node::BvhView,
+    node::{BvhView, NodeRef},
     packet::TilePacket,
     simd::Simd,
     visibility::Policy,
@@ -39,6 +39,16 @@ impl TileScratch {
             leaves: LeafCache::new(),
             planes: Box::new(Planes::new()),
         }
+    }
+
+    /// How the searches of the packets to come end early: [`TileEarly::ALL`] unless told otherwise.
+    pub fn set_early(&mut self, early: TileEarly) {
+        self.state.early = early;
+    }
+
+    /// Triangles that `packet`, of which the first hits were found just before, has hit: seeds for a packet like it.
+    pub fn hit_seeds(&self, packet: &TilePacket) -> [NodeRef; SEEDS] {
+        self.state.hit_seeds(packet)
     }
 }
 

@@ -261,8 +261,8 @@ fn refresh<S: Simd, const ANY: bool>(s: S, state: &mut State, mut touched: u32) 
         let sub = (touched.trailing_zeros() & 15) as usize;
         touched &= touched - 1;
         if ANY {
-            state.live_subs &= !(u32::from(state.live[sub] == 0) << sub);
-        } else {
+            state.live_subs &= !(u32::from(state.live[sub] == 0 && state.early.stop) << sub);
+        } else if state.early.bound {
             state.reach[sub] = F16::load(s, &state.lo[sub]).reduce_min();
         }
     }

@@ -1,7 +1,7 @@
 //! Walking the tree: which children anyone has to visit, nearest first.
 
 use super::{
-    State, rays,
+    SEEDS, State, rays,
     scratch::LeafCache,
     triangles::{FEW, list, work_off},
 };
@@ -37,6 +37,11 @@ pub(super) fn traverse<S: Simd, V: Policy, const ANY: bool>(
     }
     let mut stack = Stack::new();
     stack.push(Entry { node: root, subs: state.live_subs, near: 0.0 });
+    for at in 0..SEEDS {
+        if let Some(node) = state.early.seed(bvh, at) {
+            stack.push(Entry { node, subs: state.live_subs, near: 0.0 });
+        }
+    }
     loop {
         let entry = next(s, state, &mut stack);
         // Whether what is listed must be tested now.
@@ -109,7 +114,7 @@ fn children<S: Simd, V: Policy>(
         let child = (left_leaves.trailing_zeros() & 7) as usize;
         left_leaves &= left_leaves - 1;
         let mut subs = state.subs_meet(s, child) & entry.subs;
-        if subs.count_ones() <= FEW {
+        if subs.count_ones() <= FEW && state.early.bound {
             subs = pierced(s, packet, state, child, subs);
         }
         if subs == 0 {

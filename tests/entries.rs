@@ -41,7 +41,7 @@ const ALLOWED: [&str; 17] = [
     "irt_kernels::generic::beam::triangles::settle",
     "irt_kernels::generic::single::settle",
     "irt_kernels::generic::doubt::nearer",
-    "irt_kernels::generic::probe::is_nearer",
+    "irt_kernels::generic::probe::nearest_to_surface",
     "irt_kernels::exact::passes",
     "irt_kernels::exact::det_sign",
     "irt_kernels::exact::expansion_sign",

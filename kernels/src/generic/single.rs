@@ -121,7 +121,10 @@ impl Best {
 
     #[inline(always)]
     fn set(&mut self, lo: f32, hi: f32, slot: u32, ray: &TravRay) {
-        (self.lo, self.hi, self.reach, self.slot) = (lo, hi, hi * ray.scale * GROW, slot);
+        let reach = hi * ray.scale * GROW;
+        // Zero times infinity: depth 0 along a direction whose reciprocal overflows.
+        self.reach = if reach.is_nan() { ray.tfar } else { reach };
+        (self.lo, self.hi, self.slot) = (lo, hi, slot);
     }
 
     /// The hit by the canonical formula.

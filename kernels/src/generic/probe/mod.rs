@@ -231,8 +231,8 @@ fn is_triangle(bvh: &BvhView, slot: u32) -> bool {
 }
 
 /// Of those candidates that block the ray, the one nearest to its end at the surface; of equally near ones that of the
-/// least primitive.
-#[inline(always)]
+/// least primitive. Nothing here is wide.
+#[inline(never)]
 fn nearest_to_surface(bvh: &BvhView, ray: &TravRay, from_surface: bool, candidates: &[Candidate]) -> u32 {
     let mut last = (NO_SLOT, 0.0, 0.0);
     for &Candidate { slot, depth } in candidates {
@@ -270,7 +270,6 @@ fn blocks(bvh: &BvhView, ray: &TravRay, slot: u32, depth: Option<(f32, f32)>) ->
 /// Whether the triangle in `slot`, which blocks the ray, does so nearer to the surface than that in `other`, which does
 /// so too.
 #[cold]
-#[inline(never)]
 fn is_nearer(bvh: &BvhView, ray: &TravRay, from_surface: bool, slot: u32, other: u32) -> bool {
     let key = |slot: u32| {
         let t = nearer(bvh, &ray.frame, ray.d, [ray.tnear, ray.tfar], slot, NO_SLOT).unwrap_or(f64::INFINITY);

@@ -5,7 +5,7 @@ use irt::{
     kernels::{Isa, Visibility},
     render::{RenderOptions, render},
     scene::{Scene, procedural},
-    schedule::{Control, Strategy},
+    schedule::{Control, FilmMode, Schedule, Strategy},
     tile::Order,
     trace::KernelChoice,
 };
@@ -17,7 +17,7 @@ const BASE: RenderOptions = RenderOptions {
     threads: Some(1),
     pin: false,
     order: Order::Hilbert,
-    schedule: Strategy::Dynamic,
+    schedule: Schedule { strategy: Strategy::Dynamic, film: FilmMode::Shared },
     tile: 64,
     // Not a multiple of packet or tile size.
     size: [150, 101],

@@ -5,7 +5,7 @@ use crate::{
     bvh::BuildPreset,
     kernels::Visibility,
     scene::procedural,
-    schedule::Strategy,
+    schedule::{FilmMode, Strategy},
     study::{
         bench::{Engine, Kind},
         stability::Kernel,
@@ -156,6 +156,9 @@ pub(super) struct EngineArgs {
     /// Which worker gets which tile when
     #[arg(long, default_value = Strategy::default().name(), value_parser = one_of::<Strategy>())]
     pub(super) schedule: Strategy,
+    /// How finished pixels reach the image: written by the workers, or sent to the master
+    #[arg(long, default_value = FilmMode::default().name(), value_parser = one_of::<FilmMode>())]
+    pub(super) film: FilmMode,
     /// Side of a tile in pixels
     #[arg(
         long, value_name = "N", default_value = "64",

@@ -5,6 +5,7 @@ use crate::{
     error::{Error, Result},
     render::{RenderOptions, choose_kernels},
     scene::{CameraDescription, Falloff, Light, Scene},
+    schedule::Schedule,
 };
 use glam::Vec3;
 use std::path::Path;
@@ -31,7 +32,7 @@ pub(super) fn check(args: &RenderArgs) -> Result<()> {
 /// # Errors
 /// [`Error::Flag`] if the tiles are too small for the size.
 pub(super) fn render_options(args: &RenderArgs, scene: &Scene) -> Result<RenderOptions> {
-    let EngineArgs { threads, pin, isa, visibility, kernel, order, schedule, tile, build } = args.engine;
+    let EngineArgs { threads, pin, isa, visibility, kernel, order, schedule, film, tile, build } = args.engine;
     let size = args.size.unwrap_or(scene.size);
     check_tiles(size, tile)?;
     let isa = isa.isa();
@@ -43,7 +44,7 @@ pub(super) fn render_options(args: &RenderArgs, scene: &Scene) -> Result<RenderO
         threads,
         pin: pin.pin(),
         order,
-        schedule,
+        schedule: Schedule { strategy: schedule, film },
         tile,
         size,
         frames,

@@ -4,7 +4,7 @@ use crate::{
     bvh::BuildPreset,
     kernels::{Isa, Visibility},
     scene::{MAX_PIXELS, MAX_SIDE},
-    schedule::Strategy,
+    schedule::{FilmMode, Strategy},
     study::{
         bench::{Engine, Kind},
         stability::Kernel,
@@ -38,7 +38,7 @@ macro_rules! modes {
     )*};
 }
 
-modes!(BuildPreset, Engine, Isa, Kernel, KernelChoice, Kind, Order, Strategy, Visibility);
+modes!(BuildPreset, Engine, FilmMode, Isa, Kernel, KernelChoice, Kind, Order, Strategy, Visibility);
 
 /// What `--isa` takes.
 #[derive(Clone, Copy, Debug)]

@@ -15,7 +15,7 @@ use crate::{
     film::{Film, NanPixels},
     kernels::{Isa, Kernels, Visibility},
     scene::Scene,
-    schedule::{Control, Machine, Placement, Strategy, WorkerStats, with_workers},
+    schedule::{Control, Machine, Placement, Schedule, WorkerStats, with_workers},
     shade::SurfaceTable,
     tile::{Order, tiles},
     trace::KernelChoice,
@@ -38,8 +38,8 @@ pub struct RenderOptions {
     pub pin: bool,
     /// Order of the tiles.
     pub order: Order,
-    /// Which worker gets which tile when.
-    pub schedule: Strategy,
+    /// Which worker gets which tile when, and how pixels reach the film.
+    pub schedule: Schedule,
     /// Side of a tile in pixels, >= 1.
     pub tile: u32,
     /// Width and height of the image in pixels, each >= 1.
@@ -139,9 +139,12 @@ pub fn render(scene: &Scene, options: &RenderOptions, control: &Control) -> Resu
     with_workers(&task, &placement, |master| {
         for _ in 0..options.frames {
             let mut sum = TileReport::default();
-            let frame = Frame { camera, film: std::mem::replace(&mut film, Film::new(0, 0)) };
+            let mode = options.schedule.film;
+            let frame = Frame { camera, film: std::mem::replace(&mut film, Film::new(0, 0)), mode };
             let (frame, stats) =
-                master.run_frame(options.schedule, frame, &tiles, control, |_, report| sum.add(&report))?;
+                master.run_frame(options.schedule, frame, &tiles, control, |frame, tile, report| {
+                    frame.collect(tile, report, &mut sum);
+                })?;
             film = frame.film;
             frames.push(FrameReport {
                 seconds: stats.seconds,

@@ -7,7 +7,7 @@ use crate::{
     film::Film,
     kernels::{Kernels, NodeRef, TILE_RAYS, TileHits, TilePacket, TileScratch},
     scene::{Light, Scene},
-    schedule::TileTask,
+    schedule::{FilmMode, TileTask},
     shade::{LightRays, SurfaceTable, Surfaces, add_light, light_rays},
     tile::Tile,
     trace::{KernelChoice, NO_OCCLUDER, PointShadows, ShadowRays, Traced, Traversal},
@@ -25,15 +25,29 @@ pub(super) struct RenderTask<'a> {
 pub(super) struct Frame {
     pub(super) camera: Camera,
     pub(super) film: Film,
+    pub(super) mode: FilmMode,
 }
 
-/// What a tile took.
-#[derive(Clone, Copy, Debug, Default)]
+impl Frame {
+    /// Master: adds a tile's report to `sum`, and its pixels to the film unless they are there.
+    pub(super) fn collect(&self, tile: Tile, report: &TileReport, sum: &mut TileReport) {
+        sum.add(report);
+        if self.mode == FilmMode::Messages {
+            let [r, g, b] = &report.pixels;
+            self.film.write_tile(tile, r, g, b);
+        }
+    }
+}
+
+/// What a tile took, and its pixels.
+#[derive(Clone, Debug, Default)]
 pub(super) struct TileReport {
     pub(super) rays: RayTally,
     pub(super) doubts: RayTally,
     pub(super) trace: Duration,
     pub(super) shade: Duration,
+    /// Red, green and blue, row by row, if they travel as a message.
+    pixels: [Vec<f32>; 3],
 }
 
 impl TileReport {
@@ -90,16 +104,24 @@ impl TileTask for RenderTask<'_> {
         }
     }
 
-    fn run(&self, frame: &Frame, tile: Tile, scratch: &mut Scratch) -> TileReport {
+    fn run(&self, frame: &Frame, tile: Tile, scratch: &mut Scratch, report: &mut TileReport) {
         let mut clock = Clock::start();
         self.see(frame, tile, scratch, &mut clock);
         scratch.surfaces.finish(self.traversal.kernels());
         for (index, light) in self.scene.lights.iter().enumerate() {
             self.light(light, index, scratch, &mut clock);
         }
-        write(&frame.film, tile, scratch);
+        in_pixel_order(tile, scratch);
+        match frame.mode {
+            FilmMode::Shared => {
+                let [r, g, b] = &scratch.pixels;
+                frame.film.write_tile(tile, r, g, b);
+            }
+            // The old buffers come back with the next message.
+            FilmMode::Messages => std::mem::swap(&mut report.pixels, &mut scratch.pixels),
+        }
         clock.shade();
-        clock.report
+        clock.report(report);
     }
 }
 
@@ -115,12 +137,12 @@ impl RenderTask<'_> {
             let used = frame.camera.rays(self.traversal.kernels(), at, inside, packets);
             for packet in &packets[..used] {
                 clock.shade();
-                clock.report.doubts.primary += self.traversal.intersect(packet, tile_scratch, hits);
+                clock.doubts.primary += self.traversal.intersect(packet, tile_scratch, hits);
                 clock.trace();
                 surfaces.gather(self.traversal.kernels(), self.table, index, packet, hits);
             }
         }
-        clock.report.rays.primary += tile.len() as u64;
+        clock.rays.primary += tile.len() as u64;
     }
 
     /// Adds one light to the surfaces of the tile.
@@ -155,8 +177,8 @@ impl RenderTask<'_> {
                 traced
             }
         };
-        clock.report.rays.shadow += traced.rays;
-        clock.report.doubts.shadow += traced.doubts;
+        clock.rays.shadow += traced.rays;
+        clock.doubts.shadow += traced.doubts;
         clock.trace();
         add_light(kernels, light, rays, surfaces);
     }
@@ -172,8 +194,8 @@ fn packet_corners(tile: Tile) -> impl Iterator<Item = [u32; 2]> + Clone {
 /// Rays of a packet that follow each other along a row of pixels: see [`pixel_of`].
 const RUN: usize = 4;
 
-/// Brings the colours from packet order into pixel order and writes them to the film.
-fn write(film: &Film, tile: Tile, scratch: &mut Scratch) {
+/// Brings the colours from packet order into pixel order.
+fn in_pixel_order(tile: Tile, scratch: &mut Scratch) {
     let Scratch { surfaces, pixels, .. } = scratch;
     for (plane, colors) in pixels.iter_mut().zip(&surfaces.color) {
         plane.resize(tile.len(), 0.0);
@@ -193,19 +215,21 @@ fn write(film: &Film, tile: Tile, scratch: &mut Scratch) {
             }
         }
     }
-    let [r, g, b] = &*pixels;
-    film.write_tile(tile, r, g, b);
 }
 
 /// Splits a tile's time into tracing and the rest.
 struct Clock {
-    report: TileReport,
+    rays: RayTally,
+    doubts: RayTally,
+    trace: Duration,
+    shade: Duration,
     last: Instant,
 }
 
 impl Clock {
     fn start() -> Clock {
-        Clock { report: TileReport::default(), last: Instant::now() }
+        let (rays, none) = (RayTally::default(), Duration::ZERO);
+        Clock { rays, doubts: rays, trace: none, shade: none, last: Instant::now() }
     }
 
     fn lap(&mut self) -> Duration {
@@ -216,12 +240,18 @@ impl Clock {
     /// What happened since the last call was tracing.
     fn trace(&mut self) {
         let lap = self.lap();
-        self.report.trace += lap;
+        self.trace += lap;
     }
 
     /// What happened since the last call was anything else.
     fn shade(&mut self) {
         let lap = self.lap();
-        self.report.shade += lap;
+        self.shade += lap;
+    }
+
+    /// Replaces the figures of `report`.
+    fn report(self, report: &mut TileReport) {
+        let Clock { rays, doubts, trace, shade, .. } = self;
+        (report.rays, report.doubts, report.trace, report.shade) = (rays, doubts, trace, shade);
     }
 }

@@ -6,7 +6,10 @@
 //!         -> film
 //! ```
 
+mod session;
 mod task;
+
+pub use session::{Session, Stage};
 
 use crate::{
     bvh::{BuildPreset, Bvh},

@@ -119,12 +119,14 @@ impl<T: TileTask> Master<T> {
         }
         let start = Instant::now();
         self.plan.fill(schedule.strategy, workers.len(), tiles, &self.costs);
+        let dealer = Dealer::new(schedule.strategy, workers.len(), &self.plan);
+        let stats = self.empty_stats();
         let shared = self.share(schedule, frame);
         let mut running = Running {
             start,
             schedule,
-            dealer: Dealer::new(schedule.strategy, workers.len(), &self.plan),
-            stats: self.empty_stats(),
+            dealer,
+            stats,
             failure: control.cancelled().then_some(Error::Interrupted),
             done: 0,
         };

@@ -14,6 +14,7 @@ mod inspect;
 mod interrupt;
 mod options;
 mod render;
+mod scaling;
 mod scenes;
 mod stability;
 mod terminal;
@@ -50,6 +51,7 @@ fn run(command: &Command, talk: Talk) -> Result<()> {
         Command::Bench(args) => bench::run(args, talk),
         Command::Trace(args) => trace::run(args, talk),
         Command::Stability(args) => stability::run(args, talk),
+        Command::Scaling(args) => scaling::run(args, talk),
     }
 }
 

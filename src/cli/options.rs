@@ -53,7 +53,7 @@ pub(super) fn render_options(args: &RenderArgs, scene: &Scene) -> Result<RenderO
     })
 }
 
-fn check_tiles([width, height]: [u32; 2], tile: u32) -> Result<()> {
+pub(super) fn check_tiles([width, height]: [u32; 2], tile: u32) -> Result<()> {
     let tiles = u64::from(width.div_ceil(tile)) * u64::from(height.div_ceil(tile));
     if tiles <= MOST_TILES {
         return Ok(());

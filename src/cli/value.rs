@@ -117,6 +117,16 @@ pub(super) fn vector(text: &str) -> Result<Vec3, String> {
     }
 }
 
+/// Takes LATENCY,SPEED of a network, in microseconds and Gb/s; returns seconds and bits per second.
+pub(super) fn network(text: &str) -> Result<(f64, f64), String> {
+    let positive = |text: &str| text.trim().parse().ok().filter(|&x: &f64| x.is_finite() && x > 0.0);
+    text.split_once(',')
+        .and_then(|(latency, speed)| Some((positive(latency)? * 1e-6, positive(speed)? * 1e9)))
+        .ok_or_else(|| {
+            format!("'{text}' is not a network; give its latency in microseconds and its Gb/s, such as 10,10")
+        })
+}
+
 /// Takes WxH.
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let side = |text: &str| text.trim().parse().ok().filter(|&side: &u32| side >= 1);

@@ -7,17 +7,22 @@ mod json;
 mod markdown;
 mod micro;
 mod number;
+mod scaling;
 mod stability;
 mod statistics;
 mod summary;
 mod table;
 mod terminal;
+mod timeline;
 
 pub use bench::{BenchRow, bench_summary, bench_table};
 pub use builds::builds_table;
 pub use json::to_json;
 pub use micro::micro_table;
 pub use number::{bytes, count, significant};
+pub use scaling::{
+    ScalingRecord, idle_table, limits_table, scaling_table, sizes_table, thesis_table, validation_table,
+};
 pub use stability::{
     stability_cells, stability_errors, stability_fuzz, stability_images, stability_kernels, stability_places,
     stability_spawn,
@@ -25,3 +30,4 @@ pub use stability::{
 pub use statistics::Statistics;
 pub use summary::{BuildSummary, FrameSummary, RayCounts, StageSeconds, Summary, WorkerSummary};
 pub use table::{Cell, Table};
+pub use timeline::{timeline_svg, timeline_trace, worker_map};

@@ -3,7 +3,7 @@
 use super::frame::Running;
 use super::mail::{Desk, Inbox};
 use super::message::{Parcel, Report, Shared, Task, Work};
-use super::pin::{Pinned, Placement};
+use super::pin::{Pinned, Placement, refusals};
 use super::plan::{Dealer, Plan};
 use super::sync::{scope, spawn};
 use super::worker::work;
@@ -60,6 +60,7 @@ pub fn with_workers<T: TileTask, R>(
             })?;
         }
         master.await_ready()?;
+        refusals(&master.pinned).iter().for_each(|note| log::warn!("{note}"));
         body(&mut master)
     })
 }

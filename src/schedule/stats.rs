@@ -97,7 +97,7 @@ pub struct FrameStats {
 
 impl FrameStats {
     /// Busy seconds, idle seconds at the start and at the tail, from the spans.
-    pub(super) fn sum_up(&mut self) {
+    pub fn sum_up(&mut self) {
         let mut first = vec![f64::INFINITY; self.workers.len()];
         let mut last = vec![0.0f64; self.workers.len()];
         for span in &self.spans {

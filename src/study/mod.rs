@@ -1,4 +1,5 @@
 //! Experiments: what irt measures about itself and beside others.
 
 pub mod bench;
+pub mod scaling;
 pub mod stability;

@@ -40,6 +40,11 @@ impl CostMap {
         });
     }
 
+    /// Seconds of the whole frame, all workers together.
+    pub(super) fn total(&self) -> f64 {
+        self.seconds.iter().sum()
+    }
+
     /// Seconds that `tile` took or would have taken; `None` if it reaches beyond the map.
     pub fn predict(&self, tile: Tile) -> Option<f64> {
         if tile.x + tile.width > self.width || tile.y + tile.height > self.height {

@@ -9,9 +9,16 @@ const SMALLEST: u32 = 16;
 const REST_PER_TILE: f64 = 2.0;
 /// A task of a strategy that shrinks them is the rest of the frame divided by this and the number of workers.
 const REST_PER_TASK: f64 = 3.0;
-/// Neither a tile nor a task need be less than the frame divided by this and the number of workers: more messages would
-/// cost more than the evener end saves.
-const FRAME_PER_TASK: f64 = 256.0;
+/// A stealing worker's tile is at most the rest of its range divided by this, ...
+const REST_PER_STOLEN: f64 = 2.0;
+/// ... but need not be less than its share of the frame divided by this.
+const SHARE_PER_STOLEN: f64 = 256.0;
+/// A dealt task should last at least as long as the messages for it are on their way, in seconds, ...
+const SHORTEST_TASK: f64 = 40e-6;
+/// ... and so long that the master has this much time for it, in seconds, while it serves all others.
+const MASTER_PER_TASK: f64 = 4e-6;
+/// Where it is not known how long a frame takes, a task need not be less than a worker's share divided by this.
+const SHARE_PER_TASK: f64 = 128.0;
 /// Cost-guided cuts a tile that takes more than the frame divided by this and the number of workers.
 const FRAME_PER_TILE: f64 = 6.0;
 
@@ -22,6 +29,10 @@ pub struct Plan {
     pub tiles: Vec<Tile>,
     /// One per tile, in any unit.
     weights: Vec<f64>,
+    /// Of a stealing strategy, where each worker's range begins, and the end.
+    bounds: Vec<usize>,
+    /// No task need weigh less.
+    least: f64,
 }
 
 impl Plan {
@@ -37,32 +48,34 @@ impl Plan {
     pub(super) fn fill(&mut self, strategy: Strategy, workers: usize, tiles: &[Tile], costs: &CostMap) {
         self.tiles.clear();
         self.weights.clear();
+        self.bounds.clear();
+        let known = tiles.iter().all(|&tile| costs.predict(tile).is_some()) && costs.total() > 0.0;
+        let least_share = match known {
+            true => SHORTEST_TASK.max(MASTER_PER_TASK * workers as f64) / costs.total(),
+            false => 1.0 / (SHARE_PER_TASK * workers as f64),
+        };
         match strategy {
-            Strategy::Refinement => self.refine(workers, tiles),
-            Strategy::CostGuided => {
-                let predicted: Option<Vec<f64>> = tiles.iter().map(|&tile| costs.predict(tile)).collect();
-                match predicted {
-                    Some(seconds) if seconds.iter().any(|&s| s > 0.0) => {
-                        self.longest_first(workers, tiles, &seconds, costs);
-                    }
-                    _ => self.refine(workers, tiles),
-                }
+            Strategy::CostGuided if known => self.longest_first(workers, tiles, costs),
+            Strategy::Refinement | Strategy::CostGuided => {
+                let least = least_share * pixels(tiles);
+                self.refine(REST_PER_TILE * workers as f64, least, tiles);
             }
-            _ => self.tiles.extend_from_slice(tiles),
+            Strategy::Stealing => self.share(workers, tiles),
+            _ => {
+                self.tiles.extend_from_slice(tiles);
+                self.weights.resize(tiles.len(), 1.0);
+            }
         }
-        if self.weights.is_empty() {
-            self.weights.resize(self.tiles.len(), 1.0);
-        }
+        self.least = least_share * self.weights.iter().sum::<f64>();
     }
 
-    /// Cuts the tiles at the end: none is more than a share of the rest of the frame.
-    fn refine(&mut self, workers: usize, tiles: &[Tile]) {
-        let mut rest: f64 = tiles.iter().map(|tile| tile.len() as f64).sum();
-        let least = rest / (FRAME_PER_TASK * workers as f64);
+    /// Cuts the tiles at the end: none is more than a share of what comes from it on, unless it is less than `least`.
+    fn refine(&mut self, shares: f64, least: f64, tiles: &[Tile]) {
+        let mut rest = pixels(tiles);
         for &tile in tiles {
             cut(tile, &mut |part, whole| {
                 let pixels = part.len() as f64;
-                let stays = whole || pixels <= (rest / (REST_PER_TILE * workers as f64)).max(least);
+                let stays = whole || pixels <= (rest / shares).max(least);
                 if stays {
                     rest -= pixels;
                     self.tiles.push(part);
@@ -73,10 +86,21 @@ impl Plan {
         }
     }
 
+    /// A range for each worker, with its last tiles cut: they are what is left to share when others run out.
+    fn share(&mut self, workers: usize, tiles: &[Tile]) {
+        let least = pixels(tiles) / (SHARE_PER_STOLEN * workers as f64);
+        let place = |worker: usize| worker * tiles.len() / workers;
+        for worker in 0..workers {
+            self.bounds.push(self.tiles.len());
+            self.refine(REST_PER_STOLEN, least, &tiles[place(worker)..place(worker + 1)]);
+        }
+        self.bounds.push(self.tiles.len());
+    }
+
     /// Cuts the tiles that take too long, and sorts. Times within a factor of two count as equal, so that neighbours
     /// in the order stay neighbours.
-    fn longest_first(&mut self, workers: usize, tiles: &[Tile], seconds: &[f64], costs: &CostMap) {
-        let limit = seconds.iter().sum::<f64>() / (FRAME_PER_TILE * workers as f64);
+    fn longest_first(&mut self, workers: usize, tiles: &[Tile], costs: &CostMap) {
+        let limit = costs.total() / (FRAME_PER_TILE * workers as f64);
         let mut parts: Vec<(Tile, f64)> = Vec::with_capacity(2 * tiles.len());
         for &tile in tiles {
             cut(tile, &mut |part, whole| {
@@ -93,6 +117,10 @@ impl Plan {
         self.tiles.extend(parts.iter().map(|part| part.0));
         self.weights.extend(parts.iter().map(|part| part.1));
     }
+}
+
+fn pixels(tiles: &[Tile]) -> f64 {
+    tiles.iter().map(|tile| tile.len() as f64).sum()
 }
 
 /// Cuts `tile` in four, clockwise, and again, until `stays` takes the part. Its second argument is true for a part that
@@ -148,26 +176,24 @@ pub struct Dealer {
     next: usize,
     /// Weight of the tiles not dealt.
     rest: f64,
-    /// No task need weigh less.
-    least: f64,
 }
 
 impl Dealer {
     /// Nothing is dealt yet.
     pub fn new(strategy: Strategy, workers: usize, plan: &Plan) -> Dealer {
         let rest: f64 = plan.weights.iter().sum();
-        let least = rest / (FRAME_PER_TASK * workers as f64);
-        Dealer { strategy, workers, tiles: plan.tiles.len(), next: 0, rest, least }
+        Dealer { strategy, workers, tiles: plan.tiles.len(), next: 0, rest }
     }
 
     /// What `worker` starts with: of a stealing strategy the range that it owns. Call it once for each worker, in
     /// order; `None` if there is nothing for it.
     pub fn first(&mut self, worker: usize, plan: &Plan) -> Option<Run> {
         let run = match self.strategy {
-            Strategy::Static | Strategy::Stealing => {
+            Strategy::Static => {
                 let place = |i: usize| i * self.tiles / self.workers;
                 Run { first: place(worker), end: place(worker + 1), step: 1 }
             }
+            Strategy::Stealing => Run { first: plan.bounds[worker], end: plan.bounds[worker + 1], step: 1 },
             Strategy::StaticCyclic => Run { first: worker, end: self.tiles, step: self.workers },
             _ => return self.next(plan),
         };
@@ -183,7 +209,7 @@ impl Dealer {
         let first = self.next;
         self.next += 1;
         if self.strategy.shrinks() {
-            let share = (self.rest / (REST_PER_TASK * self.workers as f64)).max(self.least);
+            let share = (self.rest / (REST_PER_TASK * self.workers as f64)).max(plan.least);
             let mut sum = plan.weights[first];
             while self.next < self.tiles && sum + plan.weights[self.next] <= share {
                 sum += plan.weights[self.next];
@@ -244,13 +270,28 @@ mod tests {
     fn refinement_shrinks_tasks_and_tiles() {
         let base = tiles(1024, 1024, 64, Order::Hilbert);
         let plan = Plan::new(Strategy::Refinement, 2, &base, &CostMap::default());
-        assert_eq!((plan.tiles[0].width, plan.tiles.last().unwrap().width), (64, 32));
+        assert_eq!((plan.tiles[0].width, plan.tiles.last().unwrap().width), (64, 16));
         assert!(plan.tiles.windows(2).all(|pair| pair[1].len() <= pair[0].len()));
         let mut dealer = Dealer::new(Strategy::Refinement, 2, &plan);
         let pixels = |run: Run| run.places().map(|i| plan.tiles[i].len()).sum::<usize>();
         let tasks: Vec<usize> = std::iter::from_fn(|| dealer.next(&plan)).map(pixels).collect();
-        assert!(tasks[0] > 30 * 4096 && *tasks.last().unwrap() <= 2048, "{tasks:?}");
+        assert!(tasks[0] > 30 * 4096 && *tasks.last().unwrap() <= 4096, "{tasks:?}");
         assert!(tasks.len() < 40, "{}", tasks.len());
+    }
+
+    #[test]
+    fn a_stealing_worker_has_small_tiles_last() {
+        let base = tiles(1024, 1024, 64, Order::Hilbert);
+        let plan = Plan::new(Strategy::Stealing, 32, &base, &CostMap::default());
+        let mut dealer = Dealer::new(Strategy::Stealing, 32, &plan);
+        for worker in 0..32 {
+            let sides: Vec<u32> =
+                dealer.first(worker, &plan).unwrap().places().map(|i| plan.tiles[i].width).collect();
+            assert!(sides.is_sorted_by(|a, b| a >= b), "{sides:?}");
+            assert_eq!((sides[0], sides.last()), (64, Some(&16)));
+        }
+        let alone = Plan::new(Strategy::Stealing, 1, &base, &CostMap::default());
+        assert_eq!(alone.tiles, base, "one worker has nobody to share with");
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::schedule::{
 use crate::tile::{Order, Tile, tiles};
 use std::time::Instant;
 
-/// Frames per measurement, of which the median counts.
+/// Frames per measurement.
 const FRAMES: usize = 21;
 /// Tiles in a side of the image of empty tiles.
 const SIDE: u32 = 128;
@@ -56,17 +56,17 @@ impl Costs {
         let last = |stats: &FrameStats| stats.spans.iter().fold(0.0, |end: f64, span| end.max(span.end));
         let latency = |stats: &FrameStats| (stats.tasks.latency() + stats.reports.latency()) / 2.0;
         let send = wake_seconds(FRAMES);
-        let round = median(&dynamic, |stats| stats.seconds / count);
-        let way = median(&dynamic, latency);
+        let round = quiet(&dynamic, |stats| stats.seconds / count);
+        let way = quiet(&dynamic, latency);
         let collect_tile =
-            median(&stealing, |stats| (stats.workers[0].idle.tail - stats.reports.latency()).max(0.0) / count);
+            quiet(&stealing, |stats| (stats.workers[0].idle.tail - stats.reports.latency()).max(0.0) / count);
         Ok(Costs {
-            prepare: median(&dynamic, |stats| (stats.workers[0].idle.start - stats.tasks.latency()).max(0.0)),
+            prepare: quiet(&dynamic, |stats| (stats.workers[0].idle.start - stats.tasks.latency()).max(0.0)),
             send,
             latency: way,
             collect: (round - 2.0 * way - collect_tile).max(0.0),
             collect_tile,
-            tile: median(&stealing, |stats| {
+            tile: quiet(&stealing, |stats| {
                 (last(stats) - stats.workers[0].idle.start - stats.workers[0].busy_seconds).max(0.0) / count
             }),
             steal: steal_seconds(FRAMES),
@@ -78,13 +78,13 @@ impl Costs {
     }
 }
 
-/// Seconds per tile of a frame of tiles that do nothing: the scheduler's own. Median of several frames.
+/// Seconds per tile of a frame of tiles that do nothing: the scheduler's own, in a quiet moment.
 ///
 /// # Errors
 /// [`crate::error::Error::Flag`] if a thread cannot be started.
 pub fn overhead_per_tile(schedule: Schedule, workers: usize, pin: bool) -> Result<f64> {
     let frames = empty_frames(schedule, workers, pin)?;
-    Ok(median(&frames, |stats| stats.seconds / stats.spans.len() as f64))
+    Ok(quiet(&frames, |stats| stats.seconds / stats.spans.len() as f64))
 }
 
 fn empty_frames(schedule: Schedule, workers: usize, pin: bool) -> Result<Vec<FrameStats>> {
@@ -125,8 +125,9 @@ fn copy_seconds_per_byte() -> f64 {
     start.elapsed().as_secs_f64() / (1024.0 * 1024.0 * 12.0)
 }
 
-fn median(frames: &[FrameStats], of: impl Fn(&FrameStats) -> f64) -> f64 {
+/// The value that a quarter of the frames stay below: other processes can only make steps longer.
+fn quiet(frames: &[FrameStats], of: impl Fn(&FrameStats) -> f64) -> f64 {
     let mut sorted: Vec<f64> = frames.iter().map(of).collect();
     sorted.sort_by(f64::total_cmp);
-    sorted[sorted.len() / 2]
+    sorted[sorted.len() / 4]
 }

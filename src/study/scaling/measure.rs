@@ -36,7 +36,7 @@ impl Measured {
 ///
 /// # Errors
 /// As [`Session::frame`], and [`crate::error::Error::Failed`] if two images differ.
-pub fn measure(
+pub(super) fn measure(
     stage: &Stage<'_>,
     schedules: &[Schedule],
     workers: &[usize],
@@ -124,7 +124,7 @@ impl TileCosts {
 ///
 /// # Errors
 /// As [`Session::frame`].
-pub fn smaller_tiles(
+pub(super) fn smaller_tiles(
     stage: &Stage<'_>,
     film: FilmMode,
     side: u32,

@@ -14,7 +14,7 @@ use crate::{
 };
 
 /// Largest ratio of Plachetka's rule.
-pub const LARGEST_RATIO: f64 = 4.0;
+const LARGEST_RATIO: f64 = 4.0;
 
 /// One size of tiles.
 #[derive(Clone, Debug)]

@@ -10,8 +10,8 @@ use crate::{
     output::{OutputFile, PendingFile},
     render::{RenderOptions, choose_kernels},
     report::{
-        ScalingRecord, idle_table, limits_table, scaling_table, significant, sizes_table, thesis_table, timeline_svg,
-        timeline_trace, to_json, validation_table, worker_map,
+        ScalingRecord, idle_table, limits_table, scaling_table, significant, sizes_table, thesis_table,
+        timeline_svg, timeline_trace, to_json, validation_table, worker_map,
     },
     scene::{Scene, load},
     schedule::{Control, FilmMode, Machine, Placement, Schedule, Strategy},
@@ -62,7 +62,8 @@ fn strategies(args: &ScalingArgs, talk: Talk, costs: &Costs, exports: TableExpor
         if let Some(folder) = &args.pictures {
             rows.iter().try_for_each(|row| pictures(folder, row, options.render.size))?;
         }
-        for film in FilmMode::ALL.into_iter().filter(|film| rows.iter().any(|row| row.schedule.film == *film)) {
+        for film in FilmMode::ALL.into_iter().filter(|film| rows.iter().any(|row| row.schedule.film == *film))
+        {
             told += &thesis_table(&rows, &scene.name, film).to_terminal();
         }
         all.extend(rows);
@@ -92,7 +93,15 @@ fn sizes(args: &ScalingArgs, talk: Talk, costs: &Costs, exports: TableExports) -
         let [width, height] = render.size;
         let sides: Vec<u32> = SIDES.into_iter().filter(|&side| side <= width.max(height)).collect();
         let control = Control::new(interrupt::flag(), &|_| {});
-        all.extend(tile_sizes(&scene, &render, &sides, &sorted(&args.workers), args.rounds, costs, &control)?);
+        all.extend(tile_sizes(
+            &scene,
+            &render,
+            &sides,
+            &sorted(&args.workers),
+            args.rounds,
+            costs,
+            &control,
+        )?);
     }
     exports.write(&sizes_table(&all))
 }
@@ -196,9 +205,8 @@ fn pictures(folder: &Path, row: &ScalingRow, size: [u32; 2]) -> Result<()> {
     let Schedule { strategy, film } = row.schedule;
     let simulated = if row.simulated { "-simulated" } else { "" };
     let scene = row.scene.replace(['/', ' '], "-");
-    let file = |ending: &str| {
-        folder.join(format!("{scene}-{strategy}-{film}-{}{simulated}.{ending}", row.workers))
-    };
+    let file =
+        |ending: &str| folder.join(format!("{scene}-{strategy}-{film}-{}{simulated}.{ending}", row.workers));
     let title = format!(
         "{}: {strategy}, film {film}, {} workers{}, {} ms",
         row.scene,
@@ -206,7 +214,8 @@ fn pictures(folder: &Path, row: &ScalingRow, size: [u32; 2]) -> Result<()> {
         if row.simulated { " (simulated)" } else { "" },
         significant(row.frame.seconds * 1e3, 4)
     );
-    let text = |path: &Path, text: String| PendingFile::create(path)?.complete(|out| out.write_all(text.as_bytes()));
+    let text =
+        |path: &Path, text: String| PendingFile::create(path)?.complete(|out| out.write_all(text.as_bytes()));
     text(&file("svg"), timeline_svg(&title, &row.frame))?;
     text(&file("trace.json"), to_json(&timeline_trace(&row.frame))?)?;
     OutputFile::create(&file("png"))?.write(&worker_map(&row.frame, size), 0.0)

@@ -20,6 +20,7 @@ pub struct ScalingRecord {
     rounds: usize,
     speedup: f64,
     efficiency: f64,
+    efficiency_fastest: f64,
     predicted_efficiency: Option<f64>,
     thesis_fps: Option<f64>,
     thesis_efficiency: Option<f64>,
@@ -82,6 +83,7 @@ impl From<&ScalingRow> for ScalingRecord {
             rounds: row.seconds.len(),
             speedup: row.efficiency * row.workers as f64,
             efficiency: row.efficiency,
+            efficiency_fastest: row.fastest,
             predicted_efficiency: row.predicted,
             thesis_fps: row.thesis.map(|thesis| thesis.fps),
             thesis_efficiency: row.thesis.and_then(|thesis| thesis.efficiency),
@@ -97,8 +99,22 @@ impl From<&ScalingRow> for ScalingRecord {
 /// All rows, one per scene, strategy, film mode and number of workers.
 pub fn scaling_table(rows: &[ScalingRow]) -> Table {
     let mut table = Table::new([
-        "scene", "strategy", "film", "workers", "simulated", "fps", "fps_min", "fps_max", "speedup", "efficiency",
-        "predicted_efficiency", "thesis_fps", "thesis_efficiency", "tasks", "reports", "limited_by",
+        "scene",
+        "strategy",
+        "film",
+        "workers",
+        "simulated",
+        "fps",
+        "fps_min",
+        "fps_max",
+        "speedup",
+        "efficiency",
+        "predicted_efficiency",
+        "thesis_fps",
+        "thesis_efficiency",
+        "tasks",
+        "reports",
+        "limited_by",
     ]);
     for row in rows.iter().map(ScalingRecord::from) {
         table.push([
@@ -131,14 +147,17 @@ pub fn thesis_table(rows: &[ScalingRow], scene: &str, film: FilmMode) -> Table {
     let mut counts: Vec<(usize, bool)> = rows.iter().map(|row| (row.workers, row.simulated)).collect();
     counts.sort_unstable();
     counts.dedup();
-    let heading = |&(workers, simulated): &(usize, bool)| format!("{workers}{}", if simulated { " *" } else { "" });
-    let mut table =
-        Table::new(std::iter::once(format!("{scene}, {film}")).chain(counts.iter().map(heading)));
+    let heading =
+        |&(workers, simulated): &(usize, bool)| format!("{workers}{}", if simulated { " *" } else { "" });
+    let mut table = Table::new(std::iter::once(format!("{scene}, {film}")).chain(counts.iter().map(heading)));
     for strategy in Strategy::ALL {
-        let of = |workers| rows.iter().find(|row| row.schedule.strategy == strategy && row.workers == workers);
+        let of =
+            |workers| rows.iter().find(|row| row.schedule.strategy == strategy && row.workers == workers);
         let cells: Vec<Cell> = counts
             .iter()
-            .map(|&(workers, _)| of(workers).map(|row| figure(1.0 / row.median(), Some(row.efficiency))).into())
+            .map(|&(workers, _)| {
+                of(workers).map(|row| figure(1.0 / row.median(), Some(row.efficiency))).into()
+            })
             .collect();
         if cells.iter().all(|cell| *cell == Cell::Missing) {
             continue;
@@ -169,8 +188,20 @@ fn percent(share: f64) -> String {
 /// Where each worker's time went in the median frame, at the largest measured number of workers, and the messages.
 pub fn idle_table(rows: &[ScalingRow]) -> Table {
     let mut table = Table::new([
-        "scene", "strategy", "film", "worker", "tiles", "steals", "busy", "start", "work", "deliver", "tail",
-        "tasks", "reports", "latency us",
+        "scene",
+        "strategy",
+        "film",
+        "worker",
+        "tiles",
+        "steals",
+        "busy",
+        "start",
+        "work",
+        "deliver",
+        "tail",
+        "tasks",
+        "reports",
+        "latency us",
     ]);
     let most = rows.iter().filter(|row| !row.simulated).map(|row| row.workers).max();
     for row in rows.iter().filter(|row| !row.simulated && Some(row.workers) == most) {
@@ -199,10 +230,19 @@ pub fn idle_table(rows: &[ScalingRow]) -> Table {
     table
 }
 
-/// Predicted and measured efficiency side by side.
+/// Predicted and measured efficiency side by side, by median frames and by the fastest ones.
 pub fn validation_table(rows: &[ScalingRow]) -> Table {
-    let mut table =
-        Table::new(["scene", "strategy", "film", "workers", "measured", "simulated *", "points apart"]);
+    let mut table = Table::new([
+        "scene",
+        "strategy",
+        "film",
+        "workers",
+        "measured",
+        "fastest",
+        "simulated *",
+        "points apart",
+        "of fastest",
+    ]);
     for row in rows.iter().filter(|row| row.workers > 1) {
         let Some(predicted) = row.predicted else { continue };
         table.push([
@@ -211,8 +251,10 @@ pub fn validation_table(rows: &[ScalingRow]) -> Table {
             row.schedule.film.name().into(),
             row.workers.into(),
             percent(row.efficiency).into(),
+            percent(row.fastest).into(),
             percent(predicted).into(),
             format!("{:+.1}", (predicted - row.efficiency) * 100.0).into(),
+            format!("{:+.1}", (predicted - row.fastest) * 100.0).into(),
         ]);
     }
     table
@@ -241,7 +283,16 @@ pub fn limits_table(rows: &[ScalingRow]) -> Table {
 /// Frame times by size of the tiles.
 pub fn sizes_table(rows: &[SizeRow]) -> Table {
     let mut table = Table::new([
-        "scene", "workers", "simulated", "side", "tiles", "ms", "dearest/cheapest", "dearest/mean", "best", "by_rule",
+        "scene",
+        "workers",
+        "simulated",
+        "side",
+        "tiles",
+        "ms",
+        "dearest/cheapest",
+        "dearest/mean",
+        "best",
+        "by_rule",
     ]);
     for row in rows {
         table.push([

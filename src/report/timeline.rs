@@ -37,10 +37,13 @@ pub fn timeline_svg(title: &str, stats: &FrameStats) -> String {
             let _ = writeln!(svg, "<text x=\"4\" y=\"{:.1}\">worker {worker}</text>", y + row * 0.65);
         }
     }
-    for (number, span) in stats.spans.iter().enumerate() {
+    let mut drawn = vec![0; workers];
+    for span in &stats.spans {
+        drawn[span.worker] += 1;
         let y = top + row * span.worker as f64;
         // Two shades in turn, so that neighbours can be told apart.
-        let [r, g, b] = worker_color(span.worker).map(|c| c * if number % 2 == 0 { 1.0 } else { 0.86 });
+        let [r, g, b] =
+            worker_color(span.worker).map(|c| c * if drawn[span.worker] % 2 == 0 { 1.0 } else { 0.86 });
         let _ = writeln!(
             svg,
             "<rect x=\"{:.2}\" y=\"{y:.1}\" width=\"{:.2}\" height=\"{:.1}\" fill=\"rgb({:.0},{:.0},{:.0})\">\
@@ -166,7 +169,8 @@ mod tests {
             cores: 2,
         };
         let schedule = Schedule { strategy: Strategy::Stealing, film: FilmMode::Shared };
-        let plan = Plan::new(schedule.strategy, workers, &tiles(64, 48, 16, Order::Hilbert), &CostMap::default());
+        let plan =
+            Plan::new(schedule.strategy, workers, &tiles(64, 48, 16, Order::Hilbert), &CostMap::default());
         simulate(schedule, workers, &plan, &vec![1e-3; plan.tiles.len()], &costs)
     }
 
@@ -189,7 +193,9 @@ mod tests {
         let tiles: Vec<_> = events.iter().filter(|event| event["cat"] == "tile").collect();
         assert_eq!(tiles.len(), 12);
         for event in events {
-            assert!(event["ph"] == "X" && event["ts"].as_f64() >= Some(0.0) && event["dur"].as_f64() >= Some(0.0));
+            assert!(
+                event["ph"] == "X" && event["ts"].as_f64() >= Some(0.0) && event["dur"].as_f64() >= Some(0.0)
+            );
         }
         assert!(tiles.iter().all(|event| event["dur"].as_f64().is_some_and(|us| (us - 1000.0).abs() < 0.01)));
     }

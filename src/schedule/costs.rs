@@ -64,9 +64,8 @@ impl CostMap {
 
 /// Calls `visit` with column, row and number of common pixels for every cell that `tile` touches.
 fn for_cells(tile: Tile, mut visit: impl FnMut(u32, u32, u32)) {
-    let common = |from: u32, length: u32, cell: u32| {
-        (from + length).min((cell + 1) * CELL) - from.max(cell * CELL)
-    };
+    let common =
+        |from: u32, length: u32, cell: u32| (from + length).min((cell + 1) * CELL) - from.max(cell * CELL);
     for row in tile.y / CELL..(tile.y + tile.height).div_ceil(CELL) {
         for column in tile.x / CELL..(tile.x + tile.width).div_ceil(CELL) {
             visit(column, row, common(tile.x, tile.width, column) * common(tile.y, tile.height, row));

@@ -7,7 +7,9 @@ use super::pin::{Pinned, Placement, refusals};
 use super::plan::{Dealer, Plan};
 use super::sync::{scope, spawn};
 use super::worker::work;
-use super::{Control, CostMap, FilmMode, FrameStats, Messages, Progress, Schedule, Strategy, TileTask, WorkerStats};
+use super::{
+    Control, CostMap, FilmMode, FrameStats, Messages, Progress, Schedule, Strategy, TileTask, WorkerStats,
+};
 use crate::error::{Error, Result};
 use crate::tile::Tile;
 use crossbeam_deque::{Stealer, Worker as Deque};
@@ -164,7 +166,9 @@ impl<T: TileTask> Master<T> {
             // All deques are filled before anybody looks into them; who owns nothing may steal.
             for (&worker, run) in workers.iter().zip(&runs) {
                 let deque = self.deques[worker].as_ref();
-                run.iter().flat_map(|run| run.places()).for_each(|i| deque.into_iter().for_each(|d| d.push(i)));
+                run.iter()
+                    .flat_map(|run| run.places())
+                    .for_each(|i| deque.into_iter().for_each(|d| d.push(i)));
             }
         }
         for (&worker, run) in workers.iter().zip(runs) {

@@ -51,11 +51,5 @@ pub trait TileTask: Sync {
     /// Does the work of `tile`. Called exactly once per tile of a frame, by any worker, in any order. `output` is new or
     /// what another tile left there, and becomes this tile's. A panic ends the frame with
     /// [`Error::Worker`](crate::error::Error::Worker), not the process.
-    fn run(
-        &self,
-        frame: &Self::Frame,
-        tile: Tile,
-        scratch: &mut Self::Scratch,
-        output: &mut Self::Output,
-    );
+    fn run(&self, frame: &Self::Frame, tile: Tile, scratch: &mut Self::Scratch, output: &mut Self::Output);
 }

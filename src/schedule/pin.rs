@@ -114,11 +114,16 @@ fn notes(machine: &Machine, count: usize, pin: bool) -> Vec<String> {
     let cpus = spread.len();
     let mut notes = vec![];
     if parallelism < cpus && (parallelism < cores || count > parallelism) {
-        notes.push(format!("the quota of this process is {parallelism} of its {cpus} CPUs: more workers gain nothing"));
+        notes.push(format!(
+            "the quota of this process is {parallelism} of its {cpus} CPUs: more workers gain nothing"
+        ));
     }
     if count > cpus && cpus > 0 {
         let unpinned = if pin { " unpinned" } else { "" };
-        notes.push(format!("{count} workers share {cpus} CPUs: {} of them run{unpinned} in turns", count - cpus));
+        notes.push(format!(
+            "{count} workers share {cpus} CPUs: {} of them run{unpinned} in turns",
+            count - cpus
+        ));
     } else if count > cores && cores > 0 {
         notes.push(format!(
             "{} of {count} workers share a physical core with another one (SMT): they gain little",
@@ -134,7 +139,9 @@ fn notes(machine: &Machine, count: usize, pin: bool) -> Vec<String> {
 /// A line for each worker that the system did not let run where it should.
 pub fn refusals(pinned: &[Pinned]) -> Vec<String> {
     let refused = |(worker, pinned): (usize, &Pinned)| match pinned {
-        Pinned::Refused(cpu) => Some(format!("the system refused CPU {cpu} to worker {worker}: it runs unpinned")),
+        Pinned::Refused(cpu) => {
+            Some(format!("the system refused CPU {cpu} to worker {worker}: it runs unpinned"))
+        }
         _ => None,
     };
     pinned.iter().enumerate().filter_map(refused).collect()
@@ -190,7 +197,10 @@ mod tests {
         assert_eq!(notes(&smt, None), [""; 0]);
         assert_eq!(notes(&smt, Some(4)), [""; 0]);
         let shared = notes(&smt, Some(6));
-        assert!(shared.len() == 1 && shared[0].starts_with("4 of 6 workers share a physical core"), "{shared:?}");
+        assert!(
+            shared.len() == 1 && shared[0].starts_with("4 of 6 workers share a physical core"),
+            "{shared:?}"
+        );
         let crowd = notes(&smt, Some(64));
         assert!(crowd.len() == 1 && crowd[0].starts_with("64 workers share 8 CPUs: 56 of them"), "{crowd:?}");
         let quota = notes(&Machine { parallelism: 2, ..smt }, None);

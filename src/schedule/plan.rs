@@ -11,14 +11,18 @@ const REST_PER_TILE: f64 = 2.0;
 const REST_PER_TASK: f64 = 3.0;
 /// A stealing worker's tile is at most the rest of its range divided by this, ...
 const REST_PER_STOLEN: f64 = 2.0;
-/// ... but need not be less than its share of the frame divided by this.
-const SHARE_PER_STOLEN: f64 = 256.0;
+/// ... and at most a worker's share of the frame divided by this, ...
+const SHARE_PER_TILE: f64 = 12.0;
+/// ... but need not be less than that share divided by this.
+const SHARE_PER_LEAST: f64 = 256.0;
 /// A dealt task should last at least as long as the messages for it are on their way, in seconds, ...
 const SHORTEST_TASK: f64 = 40e-6;
 /// ... and so long that the master has this much time for it, in seconds, while it serves all others.
 const MASTER_PER_TASK: f64 = 4e-6;
 /// Where it is not known how long a frame takes, a task need not be less than a worker's share divided by this.
-const SHARE_PER_TASK: f64 = 128.0;
+const SHARE_PER_TASK: f64 = 256.0;
+/// However short the last frame was, this one may be longer: a task need not be more than a worker's share divided by this.
+const SHARE_PER_LONGEST: f64 = 8.0;
 /// Cost-guided cuts a tile that takes more than the frame divided by this and the number of workers.
 const FRAME_PER_TILE: f64 = 6.0;
 
@@ -51,16 +55,17 @@ impl Plan {
         self.bounds.clear();
         let known = tiles.iter().all(|&tile| costs.predict(tile).is_some()) && costs.total() > 0.0;
         let least_share = match known {
-            true => SHORTEST_TASK.max(MASTER_PER_TASK * workers as f64) / costs.total(),
+            true => (SHORTEST_TASK.max(MASTER_PER_TASK * workers as f64) / costs.total())
+                .min(1.0 / (SHARE_PER_LONGEST * workers as f64)),
             false => 1.0 / (SHARE_PER_TASK * workers as f64),
         };
         match strategy {
             Strategy::CostGuided if known => self.longest_first(workers, tiles, costs),
             Strategy::Refinement | Strategy::CostGuided => {
                 let least = least_share * pixels(tiles);
-                self.refine(REST_PER_TILE * workers as f64, least, tiles);
+                self.refine(workers, least, tiles);
             }
-            Strategy::Stealing => self.share(workers, tiles),
+            Strategy::Stealing => self.share(workers, tiles, known.then_some(costs)),
             _ => {
                 self.tiles.extend_from_slice(tiles);
                 self.weights.resize(tiles.len(), 1.0);
@@ -70,12 +75,12 @@ impl Plan {
     }
 
     /// Cuts the tiles at the end: none is more than a share of what comes from it on, unless it is less than `least`.
-    fn refine(&mut self, shares: f64, least: f64, tiles: &[Tile]) {
+    fn refine(&mut self, workers: usize, least: f64, tiles: &[Tile]) {
         let mut rest = pixels(tiles);
         for &tile in tiles {
             cut(tile, &mut |part, whole| {
                 let pixels = part.len() as f64;
-                let stays = whole || pixels <= (rest / shares).max(least);
+                let stays = whole || pixels <= (rest / (REST_PER_TILE * workers as f64)).max(least);
                 if stays {
                     rest -= pixels;
                     self.tiles.push(part);
@@ -86,13 +91,30 @@ impl Plan {
         }
     }
 
-    /// A range for each worker, with its last tiles cut: they are what is left to share when others run out.
-    fn share(&mut self, workers: usize, tiles: &[Tile]) {
-        let least = pixels(tiles) / (SHARE_PER_STOLEN * workers as f64);
+    /// A range for each worker. Its last tiles are cut, since they are what is left to share when others run out, and so
+    /// are those that are too much for one worker. Weights are seconds if the last frame tells them, else pixels.
+    fn share(&mut self, workers: usize, tiles: &[Tile], costs: Option<&CostMap>) {
+        let weigh = |tile: Tile| costs.and_then(|costs| costs.predict(tile)).unwrap_or(tile.len() as f64);
+        let share = tiles.iter().map(|&tile| weigh(tile)).sum::<f64>() / workers as f64;
         let place = |worker: usize| worker * tiles.len() / workers;
         for worker in 0..workers {
             self.bounds.push(self.tiles.len());
-            self.refine(REST_PER_STOLEN, least, &tiles[place(worker)..place(worker + 1)]);
+            let range = &tiles[place(worker)..place(worker + 1)];
+            let mut rest: f64 = range.iter().map(|&tile| weigh(tile)).sum();
+            for &tile in range {
+                cut(tile, &mut |part, whole| {
+                    let weight = weigh(part);
+                    let most =
+                        (rest / REST_PER_STOLEN).max(share / SHARE_PER_LEAST).min(share / SHARE_PER_TILE);
+                    let stays = whole || workers == 1 || weight <= most;
+                    if stays {
+                        rest -= weight;
+                        self.tiles.push(part);
+                        self.weights.push(weight);
+                    }
+                    stays
+                });
+            }
         }
         self.bounds.push(self.tiles.len());
     }
@@ -270,7 +292,7 @@ mod tests {
     fn refinement_shrinks_tasks_and_tiles() {
         let base = tiles(1024, 1024, 64, Order::Hilbert);
         let plan = Plan::new(Strategy::Refinement, 2, &base, &CostMap::default());
-        assert_eq!((plan.tiles[0].width, plan.tiles.last().unwrap().width), (64, 16));
+        assert_eq!((plan.tiles[0].width, plan.tiles.last().unwrap().width), (64, 32));
         assert!(plan.tiles.windows(2).all(|pair| pair[1].len() <= pair[0].len()));
         let mut dealer = Dealer::new(Strategy::Refinement, 2, &plan);
         let pixels = |run: Run| run.places().map(|i| plan.tiles[i].len()).sum::<usize>();
@@ -288,10 +310,24 @@ mod tests {
             let sides: Vec<u32> =
                 dealer.first(worker, &plan).unwrap().places().map(|i| plan.tiles[i].width).collect();
             assert!(sides.is_sorted_by(|a, b| a >= b), "{sides:?}");
-            assert_eq!((sides[0], sides.last()), (64, Some(&16)));
+            // A share is 8 tiles of 64x64; at most a twelfth of it, at last next to nothing.
+            assert_eq!((sides[0], sides.last()), (32, Some(&16)));
         }
         let alone = Plan::new(Strategy::Stealing, 1, &base, &CostMap::default());
         assert_eq!(alone.tiles, base, "one worker has nobody to share with");
+    }
+
+    #[test]
+    fn what_took_one_stealing_worker_too_long_is_cut() {
+        let base = tiles(256, 256, 64, Order::Hilbert);
+        let mut map = CostMap::covering(&base);
+        base.iter().for_each(|&tile| map.record(tile, if tile == base[9] { 100.0 } else { 0.1 }));
+        let plan = Plan::new(Strategy::Stealing, 2, &base, &map);
+        let inside = |tile: &&Tile| {
+            base[9].x <= tile.x && tile.x < base[9].x + 64 && base[9].y <= tile.y && tile.y < base[9].y + 64
+        };
+        assert_eq!(plan.tiles.iter().filter(inside).count(), 16);
+        assert_eq!(plan.tiles[0], base[0]);
     }
 
     #[test]

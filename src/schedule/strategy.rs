@@ -63,10 +63,7 @@ impl Strategy {
 
     /// True if a worker waits until the master has taken a result before it goes on.
     pub fn blocks(self) -> bool {
-        matches!(
-            self,
-            Strategy::Static | Strategy::StaticCyclic | Strategy::Dynamic | Strategy::Overlap
-        )
+        matches!(self, Strategy::Static | Strategy::StaticCyclic | Strategy::Dynamic | Strategy::Overlap)
     }
 
     /// True if tasks shrink towards the end of the frame.
@@ -166,7 +163,10 @@ mod tests {
     #[test]
     fn unknown_names_are_answered_with_the_available_ones() {
         let message = "eager".parse::<Strategy>().unwrap_err().to_string();
-        assert!(message.starts_with("--schedule: 'eager' is not available; use one of: static,"), "{message}");
+        assert!(
+            message.starts_with("--schedule: 'eager' is not available; use one of: static,"),
+            "{message}"
+        );
         let message = "paper".parse::<FilmMode>().unwrap_err().to_string();
         assert_eq!(message, "--film: 'paper' is not available; use one of: shared, messages");
     }

@@ -120,7 +120,12 @@ fn with_counting<R>(count: usize, body: impl FnOnce(&mut Master<Counting<'_>>) -
 }
 
 /// Runs a frame and checks that it is whole, and its figures.
-fn check_frame(master: &mut Master<Counting<'_>>, schedule: Schedule, size: [u32; 2], side: u32) -> FrameStats {
+fn check_frame(
+    master: &mut Master<Counting<'_>>,
+    schedule: Schedule,
+    size: [u32; 2],
+    side: u32,
+) -> FrameStats {
     let [width, height] = size;
     let tiles = tiles(width, height, side, Order::Hilbert);
     let (mut pixels, mut outputs) = (0, HashMap::new());
@@ -226,7 +231,8 @@ fn a_slow_tile_holds_up_only_its_own_worker() {
                 let tiles = tiles(64, 64, 8, Order::Scanline);
                 let (_, stats) =
                     master.run_frame(schedule, frame, &tiles, &Control::unattended(), |_, _, _| {})?;
-                let slow = stats.spans.iter().find(|span| (span.tile.x, span.tile.y) == (0, 0)).unwrap().worker;
+                let slow =
+                    stats.spans.iter().find(|span| (span.tile.x, span.tile.y) == (0, 0)).unwrap().worker;
                 // What its task holds, and what waits behind it, stays with the slow one.
                 let [slow, fast] = [slow, 1 - slow].map(|worker| stats.workers[worker].tiles);
                 assert!(fast > slow, "{schedule:?}: {slow} {fast}");
@@ -251,7 +257,10 @@ fn cancelling_ends_the_frame_and_keeps_the_workers() {
                 assert!(matches!(result, Err(Error::Interrupted)), "{schedule:?}");
                 let early =
                     master.run_frame(schedule, Visits::new(64, 64), &tiles, &control, |_, _, _| panic!());
-                assert!(matches!(early, Err(Error::Interrupted)), "a frame that is cancelled before it starts");
+                assert!(
+                    matches!(early, Err(Error::Interrupted)),
+                    "a frame that is cancelled before it starts"
+                );
                 check_frame(master, schedule, [64, 64], 4);
             }
             Ok(())
@@ -264,7 +273,9 @@ fn cancelling_ends_the_frame_and_keeps_the_workers() {
 fn the_flag_is_seen_while_no_report_comes() {
     in_time(|| {
         with_counting(2, |master| {
-            for schedule in schedules().filter(|s| matches!(s.strategy, Strategy::Static | Strategy::StaticCyclic)) {
+            for schedule in
+                schedules().filter(|s| matches!(s.strategy, Strategy::Static | Strategy::StaticCyclic))
+            {
                 let cancel = AtomicBool::new(false);
                 let tiles = tiles(64, 64, 1, Order::Scanline);
                 let mut ran = 0;

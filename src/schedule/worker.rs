@@ -170,7 +170,8 @@ impl<T: TileTask> Hand<'_, T> {
     }
 
     fn has_been_silent(&self) -> bool {
-        let end = self.parcel.as_ref().and_then(|parcel| parcel.items[..parcel.used].last()).map(|item| item.end);
+        let end =
+            self.parcel.as_ref().and_then(|parcel| parcel.items[..parcel.used].last()).map(|item| item.end);
         end.is_some_and(|end| end.saturating_duration_since(self.log.last_post) > LONGEST_SILENCE)
     }
 
@@ -199,7 +200,8 @@ fn next_or_stolen(
     }
     loop {
         let others = stealers.iter().enumerate().filter(|&(other, _)| other != worker);
-        let (rest, victim) = others.map(|(_, stealer)| (stealer.len(), stealer)).max_by_key(|&(rest, _)| rest)?;
+        let (rest, victim) =
+            others.map(|(_, stealer)| (stealer.len(), stealer)).max_by_key(|&(rest, _)| rest)?;
         if rest == 0 {
             return None;
         }

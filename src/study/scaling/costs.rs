@@ -3,16 +3,18 @@
 use crate::error::Result;
 use crate::film::Film;
 use crate::schedule::{
-    Control, FilmMode, FrameStats, Machine, Placement, Schedule, Strategy, TileTask, steal_seconds, wake_seconds,
-    with_workers,
+    Control, FilmMode, FrameStats, Machine, Placement, Schedule, Strategy, TileTask, steal_seconds,
+    wake_seconds, with_workers,
 };
 use crate::tile::{Order, Tile, tiles};
 use std::time::Instant;
 
 /// Frames per measurement.
 const FRAMES: usize = 21;
-/// Tiles in a side of the image of empty tiles.
+/// Tiles in a side of an image of empty tiles, where the time per tile matters ...
 const SIDE: u32 = 128;
+/// ... and where the time per frame does.
+const SMALL_SIDE: u32 = 16;
 
 /// What the simulator charges, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,8 +52,10 @@ impl Costs {
     /// # Errors
     /// [`crate::error::Error::Flag`] if a thread cannot be started.
     pub fn measure(pin: bool) -> Result<Costs> {
-        let frames = |strategy| empty_frames(Schedule { strategy, film: FilmMode::Shared }, 1, pin);
-        let (stealing, dynamic) = (frames(Strategy::Stealing)?, frames(Strategy::Dynamic)?);
+        let frames =
+            |strategy, side| empty_frames(Schedule { strategy, film: FilmMode::Shared }, 1, pin, side);
+        let (stealing, dynamic) = (frames(Strategy::Stealing, SIDE)?, frames(Strategy::Dynamic, SIDE)?);
+        let small = frames(Strategy::Dynamic, SMALL_SIDE)?;
         let count = f64::from(SIDE * SIDE);
         let last = |stats: &FrameStats| stats.spans.iter().fold(0.0, |end: f64, span| end.max(span.end));
         let latency = |stats: &FrameStats| (stats.tasks.latency() + stats.reports.latency()) / 2.0;
@@ -61,7 +65,7 @@ impl Costs {
         let collect_tile =
             quiet(&stealing, |stats| (stats.workers[0].idle.tail - stats.reports.latency()).max(0.0) / count);
         Ok(Costs {
-            prepare: quiet(&dynamic, |stats| (stats.workers[0].idle.start - stats.tasks.latency()).max(0.0)),
+            prepare: quiet(&small, |stats| (stats.workers[0].idle.start - stats.tasks.latency()).max(0.0)),
             send,
             latency: way,
             collect: (round - 2.0 * way - collect_tile).max(0.0),
@@ -83,16 +87,17 @@ impl Costs {
 /// # Errors
 /// [`crate::error::Error::Flag`] if a thread cannot be started.
 pub fn overhead_per_tile(schedule: Schedule, workers: usize, pin: bool) -> Result<f64> {
-    let frames = empty_frames(schedule, workers, pin)?;
+    let frames = empty_frames(schedule, workers, pin, SIDE)?;
     Ok(quiet(&frames, |stats| stats.seconds / stats.spans.len() as f64))
 }
 
-fn empty_frames(schedule: Schedule, workers: usize, pin: bool) -> Result<Vec<FrameStats>> {
+fn empty_frames(schedule: Schedule, workers: usize, pin: bool, side: u32) -> Result<Vec<FrameStats>> {
     let placement = Placement::new(Machine::get(), Some(workers), pin);
-    let tiles = tiles(SIDE, SIDE, 1, Order::Hilbert);
+    let tiles = tiles(side, side, 1, Order::Hilbert);
     with_workers(&Empty, &placement, |master| {
         let mut frame = || {
-            let (_, stats) = master.run_frame(schedule, (), &tiles, &Control::unattended(), |(), _, ()| {})?;
+            let (_, stats) =
+                master.run_frame(schedule, (), &tiles, &Control::unattended(), |(), _, ()| {})?;
             Ok(stats)
         };
         frame()?;

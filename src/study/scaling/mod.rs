@@ -52,6 +52,8 @@ pub struct ScalingRow {
     pub seconds: Vec<f64>,
     /// T1 / (n Tn), medians; for one worker 1.
     pub efficiency: f64,
+    /// The same of the fastest frames, which other processes disturbed least.
+    pub fastest: f64,
     /// Of a measured row: what the simulator says.
     pub predicted: Option<f64>,
     /// The median frame.
@@ -102,8 +104,7 @@ pub fn scaling(
     // Efficiency is against one worker, asked for or not.
     let mut measured: Vec<usize> = options.workers.iter().copied().filter(|&n| n > 1 && n <= cores).collect();
     measured.insert(0, 1);
-    let all =
-        measure::measure(&stage, &options.schedules, &measured, options.rounds, pin, side, control)?;
+    let all = measure::measure(&stage, &options.schedules, &measured, options.rounds, pin, side, control)?;
     let mut rows = vec![];
     let mut tile_costs: Vec<(FilmMode, TileCosts)> = vec![];
     let base = stage.tiles(side);
@@ -129,6 +130,7 @@ pub fn scaling(
         let predicted_one = predict(1).seconds;
         let find = |workers: usize| all.iter().find(|m| m.workers == workers && m.schedule == schedule);
         let one = find(1).map_or(f64::NAN, |m| median(&m.seconds()));
+        let fastest_one = find(1).map_or(f64::NAN, |m| least(&m.seconds()));
         for &workers in &options.workers {
             let predicted = predict(workers);
             let predicted_efficiency = predicted_one / (workers as f64 * predicted.seconds);
@@ -136,11 +138,8 @@ pub fn scaling(
                 Some(measured) => (false, measured.seconds(), measured.median_frame().clone()),
                 None => (true, vec![predicted.seconds], predicted),
             };
-            let efficiency = if simulated {
-                predicted_efficiency
-            } else {
-                one / (workers as f64 * median(&seconds))
-            };
+            let efficiency =
+                if simulated { predicted_efficiency } else { one / (workers as f64 * median(&seconds)) };
             rows.push(ScalingRow {
                 scene: scene.name.clone(),
                 schedule,
@@ -148,9 +147,13 @@ pub fn scaling(
                 simulated,
                 seconds,
                 efficiency,
+                fastest,
                 predicted: (!simulated).then_some(predicted_efficiency),
                 frame,
-                thesis: options.thesis_scene.as_deref().and_then(|name| thesis_figure(name, schedule.strategy, workers)),
+                thesis: options
+                    .thesis_scene
+                    .as_deref()
+                    .and_then(|name| thesis_figure(name, schedule.strategy, workers)),
             });
         }
     }
@@ -160,6 +163,10 @@ pub fn scaling(
 /// The simulated machine has a core for each worker, and none for the master.
 fn on_cores(costs: Costs, workers: usize) -> Costs {
     Costs { cores: workers, ..costs }
+}
+
+fn least(samples: &[f64]) -> f64 {
+    samples.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
 fn median(samples: &[f64]) -> f64 {

@@ -14,7 +14,9 @@
 //! worker loses the time that the master takes, unless one waits anyway.
 
 use super::costs::Costs;
-use crate::schedule::{Dealer, FilmMode, FrameStats, Idle, Messages, Pinned, Plan, Schedule, Span, Strategy, WorkerStats};
+use crate::schedule::{
+    Dealer, FilmMode, FrameStats, Idle, Messages, Pinned, Plan, Schedule, Span, Strategy, WorkerStats,
+};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
@@ -25,7 +27,13 @@ const PARCELS: usize = 8;
 ///
 /// # Panics
 /// If there is not one cost per tile, or no worker.
-pub fn simulate(schedule: Schedule, workers: usize, plan: &Plan, seconds: &[f64], costs: &Costs) -> FrameStats {
+pub fn simulate(
+    schedule: Schedule,
+    workers: usize,
+    plan: &Plan,
+    seconds: &[f64],
+    costs: &Costs,
+) -> FrameStats {
     assert!(workers > 0 && seconds.len() == plan.tiles.len(), "a cost for every tile, and a worker");
     let mut run = Run::new(schedule, workers, plan, seconds, costs);
     run.deal_first();
@@ -116,7 +124,13 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn new(schedule: Schedule, workers: usize, plan: &'a Plan, seconds: &'a [f64], costs: &'a Costs) -> Run<'a> {
+    fn new(
+        schedule: Schedule,
+        workers: usize,
+        plan: &'a Plan,
+        seconds: &'a [f64],
+        costs: &'a Costs,
+    ) -> Run<'a> {
         let parcels = if schedule.strategy.blocks() { 1 } else { PARCELS };
         let worker = || Worker { parcels, waits: Some((0.0, false)), ..Worker::default() };
         Run {
@@ -217,7 +231,8 @@ impl<'a> Run<'a> {
         desk.filled.1 += self.plan.tiles[place].len();
         self.spans.push(Span { worker, tile: self.plan.tiles[place], start: begin, end });
         let end = end + self.costs.tile;
-        let last = desk.task.is_none_or(|rest| rest.len() == 0) && self.schedule.strategy != Strategy::Stealing;
+        let last =
+            desk.task.is_none_or(|rest| rest.len() == 0) && self.schedule.strategy != Strategy::Stealing;
         if last || self.schedule.film == FilmMode::Messages {
             self.post(worker, end, last);
         } else {

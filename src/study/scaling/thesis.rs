@@ -21,7 +21,9 @@ pub fn thesis_figure(scene: &str, strategy: Strategy, workers: usize) -> Option<
         let cells: Vec<&str> = line.split(',').collect();
         let &[name, by, count, fps, efficiency] = cells.as_slice() else { return None };
         let matches = name == scene && by == strategy.name() && count.parse() == Ok(workers);
-        matches.then(|| fps.parse().ok())?.map(|fps| ThesisFigure { fps, efficiency: efficiency.parse().ok() })
+        matches
+            .then(|| fps.parse().ok())?
+            .map(|fps| ThesisFigure { fps, efficiency: efficiency.parse().ok() })
     })
 }
 
@@ -46,7 +48,9 @@ mod tests {
     fn all_of_the_four_tables_are_there() {
         let count = ["bunny", "office", "sibenik", "sponza"]
             .iter()
-            .flat_map(|scene| Strategy::ALL.map(|strategy| [1, 2, 4, 16, 32].map(|n| thesis_figure(scene, strategy, n))))
+            .flat_map(|scene| {
+                Strategy::ALL.map(|strategy| [1, 2, 4, 16, 32].map(|n| thesis_figure(scene, strategy, n)))
+            })
             .flatten()
             .flatten()
             .count();

@@ -53,7 +53,7 @@ impl Plan {
         self.tiles.clear();
         self.weights.clear();
         self.bounds.clear();
-        let known = tiles.iter().all(|&tile| costs.predict(tile).is_some()) && costs.total() > 0.0;
+        let known = costs.covers(tiles) && costs.total() > 0.0;
         let least_share = match known {
             true => (SHORTEST_TASK.max(MASTER_PER_TASK * workers as f64) / costs.total())
                 .min(1.0 / (SHARE_PER_LONGEST * workers as f64)),

@@ -231,11 +231,11 @@ fn a_slow_tile_holds_up_only_its_own_worker() {
                 let tiles = tiles(64, 64, 8, Order::Scanline);
                 let (_, stats) =
                     master.run_frame(schedule, frame, &tiles, &Control::unattended(), |_, _, _| {})?;
-                let slow =
-                    stats.spans.iter().find(|span| (span.tile.x, span.tile.y) == (0, 0)).unwrap().worker;
-                // What its task holds, and what waits behind it, stays with the slow one.
-                let [slow, fast] = [slow, 1 - slow].map(|worker| stats.workers[worker].tiles);
-                assert!(fast > slow, "{schedule:?}: {slow} {fast}");
+                let slow = stats.spans.iter().find(|span| (span.tile.x, span.tile.y) == (0, 0)).unwrap();
+                // What its task holds, and the task behind it, is all that had to wait for the slow one.
+                let late = stats.spans.iter().filter(|span| span.start > slow.end).count();
+                let most = if schedule.strategy.shrinks() { 24 } else { 2 };
+                assert!(late <= most, "{schedule:?}: {late} tiles waited");
             }
             Ok(())
         })

@@ -138,8 +138,12 @@ pub fn scaling(
                 Some(measured) => (false, measured.seconds(), measured.median_frame().clone()),
                 None => (true, vec![predicted.seconds], predicted),
             };
-            let efficiency =
-                if simulated { predicted_efficiency } else { one / (workers as f64 * median(&seconds)) };
+            let against = |one: f64, many: f64| match simulated {
+                true => predicted_efficiency,
+                false => one / (workers as f64 * many),
+            };
+            let efficiency = against(one, median(&seconds));
+            let fastest = against(fastest_one, least(&seconds));
             rows.push(ScalingRow {
                 scene: scene.name.clone(),
                 schedule,

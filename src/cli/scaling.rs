@@ -137,7 +137,7 @@ fn told_costs(costs: &Costs, pin: bool) -> Result<String> {
     Ok(told)
 }
 
-fn scenes<'a>(args: &'a ScalingArgs, talk: Talk) -> Result<Vec<(&'a str, Scene)>> {
+fn scenes(args: &ScalingArgs, talk: Talk) -> Result<Vec<(&str, Scene)>> {
     let specs: Vec<&str> = match &args.scenes[..] {
         [] => SCENES.to_vec(),
         named => named.iter().map(String::as_str).collect(),

@@ -18,7 +18,8 @@ pub(super) struct Desk<F, O> {
 
 struct OnDesk<F, O> {
     tasks: VecDeque<Task<F>>,
-    /// Empty ones, to be filled and sent.
+    /// Empty ones, to be filled and sent. Boxed, because they travel.
+    #[allow(clippy::vec_box)]
     parcels: Vec<Box<Parcel<O>>>,
     closed: bool,
     worker_waits: bool,

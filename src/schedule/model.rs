@@ -3,7 +3,7 @@
 //! a deadlock, and a deadlock fails the test. (The deques of `crossbeam` count as atomic here; their own project tests
 //! their insides.)
 
-#![allow(dead_code, unreachable_pub)]
+#![allow(dead_code, unreachable_pub, clippy::duplicate_mod)]
 
 #[path = "frame.rs"]
 mod frame;

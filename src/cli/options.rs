@@ -32,7 +32,8 @@ pub(super) fn check(args: &RenderArgs) -> Result<()> {
 /// # Errors
 /// [`Error::Flag`] if the tiles are too small for the size.
 pub(super) fn render_options(args: &RenderArgs, scene: &Scene) -> Result<RenderOptions> {
-    let EngineArgs { threads, pin, isa, visibility, kernel, order, schedule, film, tile, build } = args.engine;
+    let EngineArgs { threads, pin, isa, visibility, kernel, order, schedule, film, tile, build } =
+        args.engine;
     let size = args.size.unwrap_or(scene.size);
     check_tiles(size, tile)?;
     let isa = isa.isa();

@@ -7,6 +7,7 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
+    kernels::Visibility,
     output::{OutputFile, PendingFile},
     render::{RenderOptions, choose_kernels},
     report::{
@@ -187,6 +188,7 @@ fn render_options(args: &ScalingArgs, scene: &Scene) -> Result<RenderOptions> {
     options::check_tiles(size, args.tile)?;
     Ok(RenderOptions {
         isa: args.isa.isa(),
+        visibility: Visibility::default(),
         kernel: KernelChoice::default(),
         threads: None,
         pin: args.pin.pin(),

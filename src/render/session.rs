@@ -31,7 +31,7 @@ impl<'a> Stage<'a> {
     /// # Errors
     /// As [`super::render`].
     pub fn new(scene: &'a Scene, options: &RenderOptions) -> Result<Stage<'a>> {
-        let kernels = choose_kernels(options.isa)?;
+        let kernels = choose_kernels(options.isa)?.with_visibility(options.visibility);
         let (bvh, table) = (Bvh::build(&scene.mesh, options.build)?, SurfaceTable::new(scene));
         Ok(Stage { scene, options: *options, kernels, bvh, table })
     }

@@ -13,8 +13,8 @@ use crate::{
     schedule::{Control, Machine, Placement, Plan, Schedule},
 };
 
-/// Largest ratio of Plachetka's rule.
-const LARGEST_RATIO: f64 = 4.0;
+/// Ratios of Plachetka's rule.
+const RATIOS: std::ops::RangeInclusive<f64> = 2.5..=4.0;
 
 /// One size of tiles.
 #[derive(Clone, Debug)]
@@ -37,7 +37,7 @@ pub struct SizeRow {
     pub over_mean: f64,
     /// The fastest size for this scene and number of workers.
     pub best: bool,
-    /// The size that the rule picks: the largest one with a ratio of at most 4; none if every ratio is larger.
+    /// The size that the rule picks: the largest one with a ratio of 2.5 to 4, if there is one.
     pub by_rule: bool,
 }
 
@@ -135,7 +135,7 @@ fn mark(rows: &mut [SizeRow], workers: &[usize]) {
             best.best = true;
         }
         if let Some(chosen) =
-            group.iter_mut().filter(|row| row.ratio <= LARGEST_RATIO).max_by_key(|row| row.side)
+            group.iter_mut().filter(|row| RATIOS.contains(&row.ratio)).max_by_key(|row| row.side)
         {
             chosen.by_rule = true;
         }

@@ -1,6 +1,7 @@
 //! The commands as users run them: results, files, exit codes, and one sentence for each mistake.
 
 mod bench;
+mod scaling;
 mod stability;
 mod coherence;
 mod trace;
@@ -102,7 +103,8 @@ fn render_exports_the_documented_json() {
     assert_eq!(json["size"], serde_json::json!([70, 50]));
     assert_eq!(json["threads"], 2);
     assert_eq!(json["order"], "hilbert");
-    assert_eq!(json["schedule"], "dynamic");
+    assert_eq!(json["schedule"], "stealing");
+    assert_eq!(json["film"], "shared");
     assert_eq!(json["visibility"], "exact");
     assert!(json["isa"].is_string() && json["effects"].is_array() && json["counters"].is_object());
     assert!(json["build"]["seconds"].as_f64().unwrap() > 0.0 && json["build"]["bytes"].as_u64().unwrap() > 0);
@@ -188,7 +190,8 @@ fn each_bad_flag_is_answered_with_one_sentence_that_names_it() {
         ("--light 1,2,3,4", "--light"),
         ("--isa neon", "--isa"),
         ("--order spiral", "--order"),
-        ("--schedule stealing", "--schedule"),
+        ("--schedule eager", "--schedule"),
+        ("--film paper", "--film"),
         ("--kernel best", "--kernel"),
         ("--build best", "--build"),
         ("--seed -1", "--seed"),

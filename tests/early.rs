@@ -7,7 +7,7 @@ use irt::{
     kernels::{Isa, Kernels, MISS, SUB, TILE_RAYS, TilePacket, Visibility},
     render::{RenderOptions, render},
     scene::{Light, Scene, procedural},
-    schedule::{Control, Strategy},
+    schedule::{Control, Schedule},
     study::coherence::{CoherenceOptions, SceneCoherence, ShadowRays, coherence},
     tile::{Order, pixels},
     trace::{EarlyTermination, KernelChoice},
@@ -23,7 +23,7 @@ fn image(scene: &Scene, early: EarlyTermination, isa: Option<Isa>, order: Order)
         threads: Some(1),
         pin: false,
         order,
-        schedule: Strategy::Dynamic,
+        schedule: Schedule::default(),
         tile: 32,
         size: SIZE,
         // The second frame begins with what the first remembers.

@@ -5,7 +5,7 @@ use irt::{
     kernels::{Isa, Visibility},
     render::{RenderOptions, render},
     scene::{Scene, procedural},
-    schedule::{Control, Strategy},
+    schedule::{Control, FilmMode, Schedule, Strategy},
     tile::Order,
     trace::{EarlyTermination, KernelChoice},
 };
@@ -17,7 +17,7 @@ const BASE: RenderOptions = RenderOptions {
     threads: Some(1),
     pin: false,
     order: Order::Hilbert,
-    schedule: Strategy::Dynamic,
+    schedule: Schedule { strategy: Strategy::Dynamic, film: FilmMode::Shared },
     tile: 64,
     // Not a multiple of packet or tile size.
     size: [150, 101],
@@ -71,6 +71,25 @@ fn threads_order_tile_size_and_tree_do_not_change_the_image() {
     }
     for build in BuildPreset::ALL {
         assert_eq!(hash(&scene, &RenderOptions { build, ..BASE }), want, "{build} tree");
+    }
+}
+
+#[test]
+fn no_schedule_changes_the_image() {
+    let scene = scene("atrium");
+    let want = hash(&scene, &BASE);
+    for strategy in Strategy::ALL {
+        for film in FilmMode::ALL {
+            for (threads, tile, frames) in [(1, 64, 1), (2, 32, 2), (5, 16, 3), (64, 48, 2)] {
+                let schedule = Schedule { strategy, film };
+                let options = RenderOptions { threads: Some(threads), schedule, tile, frames, ..BASE };
+                let rendered = render(&scene, &options, &Control::unattended()).expect("renders");
+                for frame in &rendered.frames {
+                    assert_eq!(frame.image_sha256, want, "{strategy}, film {film}, {threads} threads");
+                    assert_eq!(frame.rays.primary, 150 * 101, "{strategy}, film {film}, {threads} threads");
+                }
+            }
+        }
     }
 }
 

@@ -9,7 +9,7 @@ use irt::{
     kernels::{Hit, Isa, MISS, Ray, Visibility},
     render::{RenderOptions, render},
     scene::{CameraDescription, Falloff, Light, Material, Scene},
-    schedule::{Control, Strategy},
+    schedule::{Control, Schedule},
     tile::Order,
     trace::{EarlyTermination, KernelChoice},
 };
@@ -93,7 +93,7 @@ fn film(scene: &Scene, isa: Option<Isa>, kernel: KernelChoice, tile: u32) -> (Fi
         threads: Some(2),
         pin: false,
         order: Order::Hilbert,
-        schedule: Strategy::Dynamic,
+        schedule: Schedule::default(),
         tile,
         size: SIZE,
         frames: 1,

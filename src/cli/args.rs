@@ -1,11 +1,11 @@
 //! What was typed. Values are checked one by one here; what they mean together is settled in `options`.
 
-use super::value::{IsaChoice, field_of_view, number, one_of, size, vector, whole};
+use super::value::{IsaChoice, field_of_view, network, number, one_of, size, vector, whole};
 use crate::{
     bvh::BuildPreset,
     kernels::Visibility,
     scene::procedural,
-    schedule::Strategy,
+    schedule::{FilmMode, Strategy},
     study::{
         bench::{Engine, Kind},
         coherence::ShadowRays,
@@ -58,6 +58,8 @@ pub(super) enum Command {
     Stability(StabilityArgs),
     /// Repeat the thesis' study of coherence: what consecutive rays share, and what remembering it saves
     Coherence(CoherenceArgs),
+    /// Measure scheduling strategies by number of workers, and simulate more workers than there are
+    Scaling(Box<ScalingArgs>),
 }
 
 /// `irt render`.
@@ -159,6 +161,9 @@ pub(super) struct EngineArgs {
     /// Which worker gets which tile when
     #[arg(long, default_value = Strategy::default().name(), value_parser = one_of::<Strategy>())]
     pub(super) schedule: Strategy,
+    /// How finished pixels reach the image: written by the workers, or sent to the master
+    #[arg(long, default_value = FilmMode::default().name(), value_parser = one_of::<FilmMode>())]
+    pub(super) film: FilmMode,
     /// Side of a tile in pixels
     #[arg(
         long, value_name = "N", default_value = "64",
@@ -364,6 +369,63 @@ pub(super) struct CoherenceArgs {
     #[arg(long, value_name = "FOLDER", requires = "sweep")]
     pub(super) plots: Option<PathBuf>,
     /// Instruction set of the kernel; auto takes the widest of this machine
+    #[arg(long, default_value = "auto", value_parser = one_of::<IsaChoice>())]
+    pub(super) isa: IsaChoice,
+    /// Time to spend on the tree
+    #[arg(long, default_value = BuildPreset::default().name(), value_parser = one_of::<BuildPreset>())]
+    pub(super) build: BuildPreset,
+    #[command(flatten)]
+    pub(super) export: ExportArgs,
+}
+
+/// `irt scaling`.
+#[derive(Args, Debug)]
+pub(super) struct ScalingArgs {
+    /// Scenes as for render [default: statue, office, nave, atrium]
+    #[arg(value_name = "SCENE")]
+    pub(super) scenes: Vec<String>,
+    /// Scheduling strategies [default: all; of --tiles stealing]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = one_of::<Strategy>())]
+    pub(super) strategies: Vec<Strategy>,
+    /// How finished pixels reach the image [default: both; of --tiles shared]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = one_of::<FilmMode>())]
+    pub(super) films: Vec<FilmMode>,
+    /// Numbers of workers; more than there are cores are simulated, as are all those of a cluster but one
+    #[arg(
+        long, value_name = "LIST", value_delimiter = ',', default_value = "1,2,4,16,32,256",
+        value_parser = whole(1..=1024usize), allow_negative_numbers = true
+    )]
+    pub(super) workers: Vec<usize>,
+    /// Frames of which the median counts
+    #[arg(
+        long, value_name = "N", default_value = "10",
+        value_parser = whole(1..=100_000u32), allow_negative_numbers = true
+    )]
+    pub(super) rounds: u32,
+    /// Instead of strategies, compare sizes of tiles
+    #[arg(long, conflicts_with = "pictures")]
+    pub(super) tiles: bool,
+    /// Simulated workers are nodes of a cluster: latency of its network in microseconds, its speed in Gb/s
+    #[arg(long, value_name = "US,GBIT", value_parser = network, allow_hyphen_values = true)]
+    pub(super) network: Option<(f64, f64)>,
+    /// Write each frame's timeline (.svg, .trace.json) and map of workers (.png) to this folder
+    #[arg(long, value_name = "DIR")]
+    pub(super) pictures: Option<PathBuf>,
+    /// Width and height of the image in pixels [default: the scene's]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(super) size: Option<[u32; 2]>,
+    /// Side of a tile in pixels
+    #[arg(
+        long, value_name = "N", default_value = "64",
+        value_parser = whole(1..=1024u32), allow_negative_numbers = true
+    )]
+    pub(super) tile: u32,
+    /// Order of the tiles
+    #[arg(long, default_value = Order::default().name(), value_parser = one_of::<Order>())]
+    pub(super) order: Order,
+    #[command(flatten)]
+    pub(super) pin: PinArgs,
+    /// Instruction set of the kernels; auto takes the widest of this machine
     #[arg(long, default_value = "auto", value_parser = one_of::<IsaChoice>())]
     pub(super) isa: IsaChoice,
     /// Time to spend on the tree

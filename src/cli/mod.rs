@@ -15,6 +15,7 @@ mod inspect;
 mod interrupt;
 mod options;
 mod render;
+mod scaling;
 mod scenes;
 mod stability;
 mod terminal;
@@ -52,6 +53,7 @@ fn run(command: &Command, talk: Talk) -> Result<()> {
         Command::Trace(args) => trace::run(args, talk),
         Command::Stability(args) => stability::run(args, talk),
         Command::Coherence(args) => coherence::run(args, talk),
+        Command::Scaling(args) => scaling::run(args, talk),
     }
 }
 

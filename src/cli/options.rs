@@ -5,6 +5,7 @@ use crate::{
     error::{Error, Result},
     render::{RenderOptions, choose_kernels},
     scene::{CameraDescription, Falloff, Light, Scene},
+    schedule::Schedule,
     trace::{EarlyTermination, KernelChoice},
 };
 use glam::Vec3;
@@ -37,8 +38,19 @@ pub(super) fn check(args: &RenderArgs) -> Result<()> {
 /// # Errors
 /// [`Error::Flag`] if the tiles are too small for the size.
 pub(super) fn render_options(args: &RenderArgs, scene: &Scene) -> Result<RenderOptions> {
-    let EngineArgs { threads, pin, isa, visibility, kernel, order, schedule, tile, build, early_termination } =
-        args.engine;
+    let EngineArgs {
+        threads,
+        pin,
+        isa,
+        visibility,
+        kernel,
+        order,
+        schedule,
+        film,
+        tile,
+        build,
+        early_termination,
+    } = args.engine;
     let size = args.size.unwrap_or(scene.size);
     check_tiles(size, tile)?;
     let isa = isa.isa();
@@ -50,7 +62,7 @@ pub(super) fn render_options(args: &RenderArgs, scene: &Scene) -> Result<RenderO
         threads,
         pin: pin.pin(),
         order,
-        schedule,
+        schedule: Schedule { strategy: schedule, film },
         tile,
         size,
         frames,
@@ -60,7 +72,7 @@ pub(super) fn render_options(args: &RenderArgs, scene: &Scene) -> Result<RenderO
     })
 }
 
-fn check_tiles([width, height]: [u32; 2], tile: u32) -> Result<()> {
+pub(super) fn check_tiles([width, height]: [u32; 2], tile: u32) -> Result<()> {
     let tiles = u64::from(width.div_ceil(tile)) * u64::from(height.div_ceil(tile));
     if tiles <= MOST_TILES {
         return Ok(());

@@ -4,7 +4,7 @@ use crate::{
     bvh::BuildPreset,
     kernels::{Isa, Visibility},
     scene::{MAX_PIXELS, MAX_SIDE},
-    schedule::Strategy,
+    schedule::{FilmMode, Strategy},
     study::{
         bench::{Engine, Kind},
         coherence::ShadowRays,
@@ -39,7 +39,19 @@ macro_rules! modes {
     )*};
 }
 
-modes!(BuildPreset, Engine, Isa, Kernel, KernelChoice, Kind, Order, ShadowRays, Strategy, Visibility);
+modes!(
+    BuildPreset,
+    Engine,
+    FilmMode,
+    Isa,
+    Kernel,
+    KernelChoice,
+    Kind,
+    Order,
+    ShadowRays,
+    Strategy,
+    Visibility
+);
 
 /// What `--isa` takes.
 #[derive(Clone, Copy, Debug)]
@@ -116,6 +128,16 @@ pub(super) fn vector(text: &str) -> Result<Vec3, String> {
         Some(&[x, y, z]) => Ok(Vec3::new(x, y, z)),
         _ => Err(format!("'{text}' is not a vector; give three finite numbers such as 1,2.5,-3")),
     }
+}
+
+/// Takes LATENCY,SPEED of a network, in microseconds and Gb/s; returns seconds and bits per second.
+pub(super) fn network(text: &str) -> Result<(f64, f64), String> {
+    let positive = |text: &str| text.trim().parse().ok().filter(|&x: &f64| x.is_finite() && x > 0.0);
+    text.split_once(',')
+        .and_then(|(latency, speed)| Some((positive(latency)? * 1e-6, positive(speed)? * 1e9)))
+        .ok_or_else(|| {
+            format!("'{text}' is not a network; give its latency in microseconds and its Gb/s, such as 10,10")
+        })
 }
 
 /// Takes WxH.

@@ -7,7 +7,10 @@
 //! ```
 
 mod seeds;
+mod session;
 mod task;
+
+pub use session::{Session, Stage};
 
 use crate::{
     bvh::{BuildPreset, Bvh},
@@ -16,7 +19,7 @@ use crate::{
     film::{Film, NanPixels},
     kernels::{Isa, Kernels, Visibility},
     scene::Scene,
-    schedule::{Control, Machine, Placement, Strategy, WorkerStats, with_workers},
+    schedule::{Control, Machine, Placement, Schedule, WorkerStats, with_workers},
     shade::SurfaceTable,
     tile::{Order, tiles},
     trace::{EarlyTermination, KernelChoice},
@@ -39,8 +42,8 @@ pub struct RenderOptions {
     pub pin: bool,
     /// Order of the tiles.
     pub order: Order,
-    /// Which worker gets which tile when.
-    pub schedule: Strategy,
+    /// Which worker gets which tile when, and how pixels reach the film.
+    pub schedule: Schedule,
     /// Side of a tile in pixels, >= 1.
     pub tile: u32,
     /// Width and height of the image in pixels, each >= 1.
@@ -125,6 +128,7 @@ pub fn render(scene: &Scene, options: &RenderOptions, control: &Control) -> Resu
     scene.check()?;
     // The machine is enumerated and the tree built before any thread is pinned: pins are inherited.
     let placement = Placement::new(Machine::get(), options.threads, options.pin);
+    placement.notes().iter().for_each(|note| log::warn!("{note}"));
     let start = Instant::now();
     let bvh = Bvh::build(&scene.mesh, options.build)?;
     let table = SurfaceTable::new(scene);
@@ -142,9 +146,12 @@ pub fn render(scene: &Scene, options: &RenderOptions, control: &Control) -> Resu
     with_workers(&task, &placement, |master| {
         for _ in 0..options.frames {
             let mut sum = TileReport::default();
-            let frame = Frame { camera, film: std::mem::replace(&mut film, Film::new(0, 0)) };
+            let mode = options.schedule.film;
+            let frame = Frame { camera, film: std::mem::replace(&mut film, Film::new(0, 0)), mode };
             let (frame, stats) =
-                master.run_frame(options.schedule, frame, &tiles, control, |_, report| sum.add(&report))?;
+                master.run_frame(options.schedule, frame, &tiles, control, |frame, tile, report| {
+                    frame.collect(tile, report, &mut sum);
+                })?;
             film = frame.film;
             frames.push(FrameReport {
                 seconds: stats.seconds,

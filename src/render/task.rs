@@ -10,7 +10,7 @@ use crate::{
     film::Film,
     kernels::{Kernels, NodeRef, SEEDS, TILE_RAYS, TileEarly, TileHits, TilePacket, TileScratch},
     scene::{Light, Scene},
-    schedule::TileTask,
+    schedule::{FilmMode, TileTask},
     shade::{LightRays, SurfaceTable, Surfaces, add_light, light_rays},
     tile::Tile,
     trace::{EarlyTermination, NO_OCCLUDER, PointShadows, ShadowRays, Traced, Traversal},
@@ -30,15 +30,29 @@ pub(super) struct RenderTask<'a> {
 pub(super) struct Frame {
     pub(super) camera: Camera,
     pub(super) film: Film,
+    pub(super) mode: FilmMode,
 }
 
-/// What a tile took.
-#[derive(Clone, Copy, Debug, Default)]
+impl Frame {
+    /// Master: adds a tile's report to `sum`, and its pixels to the film unless they are there.
+    pub(super) fn collect(&self, tile: Tile, report: &TileReport, sum: &mut TileReport) {
+        sum.add(report);
+        if self.mode == FilmMode::Messages {
+            let [r, g, b] = &report.pixels;
+            self.film.write_tile(tile, r, g, b);
+        }
+    }
+}
+
+/// What a tile took, and its pixels.
+#[derive(Clone, Debug, Default)]
 pub(super) struct TileReport {
     pub(super) rays: RayTally,
     pub(super) doubts: RayTally,
     pub(super) trace: Duration,
     pub(super) shade: Duration,
+    /// Red, green and blue, row by row, if they travel as a message.
+    pixels: [Vec<f32>; 3],
 }
 
 impl TileReport {
@@ -102,16 +116,24 @@ impl TileTask for RenderTask<'_> {
         }
     }
 
-    fn run(&self, frame: &Frame, tile: Tile, scratch: &mut Scratch) -> TileReport {
+    fn run(&self, frame: &Frame, tile: Tile, scratch: &mut Scratch, report: &mut TileReport) {
         let mut clock = Clock::start();
         self.see(frame, tile, scratch, &mut clock);
         scratch.surfaces.finish(self.traversal.kernels());
         for (index, light) in self.scene.lights.iter().enumerate() {
             self.light(light, index, scratch, &mut clock);
         }
-        write(&frame.film, tile, scratch);
+        in_pixel_order(tile, scratch);
+        match frame.mode {
+            FilmMode::Shared => {
+                let [r, g, b] = &scratch.pixels;
+                frame.film.write_tile(tile, r, g, b);
+            }
+            // The old buffers come back with the next message.
+            FilmMode::Messages => std::mem::swap(&mut report.pixels, &mut scratch.pixels),
+        }
         clock.shade();
-        clock.report
+        clock.report(report);
     }
 }
 
@@ -133,7 +155,7 @@ impl RenderTask<'_> {
                     let seeds = if area > 0 { self.hit_seeds.get(at) } else { *hit_last };
                     tile_scratch.set_early(TileEarly { bound, seeds, ..TileEarly::ALL });
                 }
-                clock.report.doubts.primary += self.traversal.intersect(packet, tile_scratch, hits);
+                clock.doubts.primary += self.traversal.intersect(packet, tile_scratch, hits);
                 if pet_seed {
                     *hit_last = tile_scratch.hit_seeds(packet);
                     self.hit_seeds.put(at, *hit_last);
@@ -142,7 +164,7 @@ impl RenderTask<'_> {
                 surfaces.gather(self.traversal.kernels(), self.table, index, packet, hits);
             }
         }
-        clock.report.rays.primary += tile.len() as u64;
+        clock.rays.primary += tile.len() as u64;
     }
 
     /// Adds one light to the surfaces of the tile.
@@ -177,8 +199,8 @@ impl RenderTask<'_> {
                 traced
             }
         };
-        clock.report.rays.shadow += traced.rays;
-        clock.report.doubts.shadow += traced.doubts;
+        clock.rays.shadow += traced.rays;
+        clock.doubts.shadow += traced.doubts;
         clock.trace();
         add_light(kernels, light, rays, surfaces);
     }
@@ -194,8 +216,8 @@ fn packet_corners(tile: Tile) -> impl Iterator<Item = [u32; 2]> + Clone {
 /// Rays of a packet that follow each other along a row of pixels: see [`pixel_of`].
 const RUN: usize = 4;
 
-/// Brings the colours from packet order into pixel order and writes them to the film.
-fn write(film: &Film, tile: Tile, scratch: &mut Scratch) {
+/// Brings the colours from packet order into pixel order.
+fn in_pixel_order(tile: Tile, scratch: &mut Scratch) {
     let Scratch { surfaces, pixels, .. } = scratch;
     for (plane, colors) in pixels.iter_mut().zip(&surfaces.color) {
         plane.resize(tile.len(), 0.0);
@@ -215,19 +237,21 @@ fn write(film: &Film, tile: Tile, scratch: &mut Scratch) {
             }
         }
     }
-    let [r, g, b] = &*pixels;
-    film.write_tile(tile, r, g, b);
 }
 
 /// Splits a tile's time into tracing and the rest.
 struct Clock {
-    report: TileReport,
+    rays: RayTally,
+    doubts: RayTally,
+    trace: Duration,
+    shade: Duration,
     last: Instant,
 }
 
 impl Clock {
     fn start() -> Clock {
-        Clock { report: TileReport::default(), last: Instant::now() }
+        let (rays, none) = (RayTally::default(), Duration::ZERO);
+        Clock { rays, doubts: rays, trace: none, shade: none, last: Instant::now() }
     }
 
     fn lap(&mut self) -> Duration {
@@ -238,12 +262,18 @@ impl Clock {
     /// What happened since the last call was tracing.
     fn trace(&mut self) {
         let lap = self.lap();
-        self.report.trace += lap;
+        self.trace += lap;
     }
 
     /// What happened since the last call was anything else.
     fn shade(&mut self) {
         let lap = self.lap();
-        self.report.shade += lap;
+        self.shade += lap;
+    }
+
+    /// Replaces the figures of `report`.
+    fn report(self, report: &mut TileReport) {
+        let Clock { rays, doubts, trace, shade, .. } = self;
+        (report.rays, report.doubts, report.trace, report.shade) = (rays, doubts, trace, shade);
     }
 }

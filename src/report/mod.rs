@@ -8,6 +8,7 @@ mod json;
 mod markdown;
 mod micro;
 mod number;
+mod scaling;
 mod stability;
 mod plot;
 mod statistics;
@@ -16,6 +17,7 @@ mod sweep;
 mod table;
 mod terminal;
 mod titled;
+mod timeline;
 
 pub use bench::{BenchRow, bench_summary, bench_table};
 pub use builds::builds_table;
@@ -24,6 +26,9 @@ pub use json::to_json;
 pub use micro::micro_table;
 pub use number::{bytes, count, significant};
 pub use plot::{Plot, Series};
+pub use scaling::{
+    ScalingRecord, idle_table, limits_table, scaling_table, sizes_table, thesis_table, validation_table,
+};
 pub use stability::{
     stability_cells, stability_errors, stability_fuzz, stability_images, stability_kernels, stability_places,
     stability_spawn,
@@ -32,4 +37,5 @@ pub use statistics::Statistics;
 pub use summary::{BuildSummary, FrameSummary, RayCounts, StageSeconds, Summary, WorkerSummary};
 pub use sweep::{finding_table, sweep_plots, sweep_report};
 pub use table::{Cell, Table};
+pub use timeline::{timeline_svg, timeline_trace, worker_map};
 pub use titled::{Report, Titled};

@@ -1,43 +1,44 @@
 //! The master's side of the protocol.
 
-use super::pin::{Pinned, Placement};
-use super::protocol::{Command, Report};
+use super::frame::Running;
+use super::mail::{Desk, Inbox};
+use super::message::{Parcel, Report, Shared, Task, Work};
+use super::pin::{Pinned, Placement, refusals};
+use super::plan::{Dealer, Plan};
+use super::sync::{scope, spawn};
 use super::worker::work;
-use super::{Control, Progress, Strategy, TileTask};
+use super::{
+    Control, CostMap, FilmMode, FrameStats, Messages, Progress, Schedule, Strategy, TileTask, WorkerStats,
+};
 use crate::error::{Error, Result};
 use crate::tile::Tile;
-use crossbeam_channel::{Receiver, Sender, unbounded};
+use crossbeam_deque::{Stealer, Worker as Deque};
+use std::collections::VecDeque;
 use std::sync::Arc;
-use std::thread;
-use std::time::Instant;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
-/// What one worker did in one frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WorkerStats {
-    /// Where it runs.
-    pub pinned: Pinned,
-    /// Seconds spent on tiles; the rest of the frame it waited.
-    pub busy_seconds: f64,
-    /// Tiles finished.
-    pub tiles: usize,
-}
-
-/// What a frame took.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FrameStats {
-    /// Wall-clock seconds from dealing the first tile to collecting the last output.
-    pub seconds: f64,
-    /// One entry per worker, by number.
-    pub workers: Vec<WorkerStats>,
-}
+/// The cancel flag is looked at this often while no report comes.
+const LONGEST_WAIT: Duration = Duration::from_millis(20);
+/// Parcels of a worker that does not wait until its results are taken. More would only be more memory: a master that
+/// is so far behind does not catch up.
+const PARCELS: usize = 8;
 
 /// Deals the tiles of frames to the workers. Exists only inside [`with_workers`].
 pub struct Master<T: TileTask> {
-    commands: Vec<Sender<Command<T::Frame>>>,
-    reports: Receiver<Report<T::Output>>,
+    desks: Vec<Arc<Desk<T::Frame, T::Output>>>,
+    inbox: Arc<Inbox<T::Output>>,
     pinned: Vec<Pinned>,
-    /// Commands that were sent and not reported on.
-    due: usize,
+    /// Tasks that each worker was dealt and has not finished; `None` if it was lost.
+    due: Vec<Option<usize>>,
+    /// Between frames, every worker's deque; all empty.
+    deques: Vec<Option<Deque<usize>>>,
+    /// The frame under way, or one that a panic of `collect` left behind.
+    shared: Option<Arc<Shared<T::Frame>>>,
+    /// Taken from the inbox and not looked at.
+    reports: VecDeque<Report<T::Output>>,
+    plan: Plan,
+    costs: CostMap,
 }
 
 /// Starts one worker per slot of `placement`, waits until all are ready, and calls `body` with their master. The
@@ -51,35 +52,46 @@ pub fn with_workers<T: TileTask, R>(
     placement: &Placement,
     body: impl FnOnce(&mut Master<T>) -> Result<R>,
 ) -> Result<R> {
-    thread::scope(|scope| {
-        let (report, reports) = unbounded();
-        let mut master = Master { commands: vec![], reports, pinned: vec![], due: 0 };
+    scope(|scope| {
+        let mut master = Master::new();
         for (worker, &cpu) in placement.slots().iter().enumerate() {
-            let (command, commands) = unbounded();
-            let report = report.clone();
-            thread::Builder::new()
-                .name(format!("worker {worker}"))
-                .spawn_scoped(scope, move || work(task, worker, cpu, commands, report))
-                .map_err(|error| {
-                    Error::flag(
-                        "--threads",
-                        format!("only {worker} could be started ({error})"),
-                        "ask for fewer",
-                    )
-                })?;
-            master.commands.push(command);
+            let (desk, inbox) = (Arc::new(Desk::new()), Arc::clone(&master.inbox));
+            master.add(Arc::clone(&desk));
+            spawn(scope, worker, move || work(task, worker, cpu, &desk, &inbox)).map_err(|error| {
+                Error::flag("--threads", format!("only {worker} could be started ({error})"), "ask for fewer")
+            })?;
         }
-        // Only workers may hold senders: then a lost worker is an error here instead of a wait without end.
-        drop(report);
         master.await_ready()?;
+        refusals(&master.pinned).iter().for_each(|note| log::warn!("{note}"));
         body(&mut master)
     })
 }
 
 impl<T: TileTask> Master<T> {
+    fn new() -> Master<T> {
+        Master {
+            desks: vec![],
+            inbox: Arc::new(Inbox::new()),
+            pinned: vec![],
+            due: vec![],
+            deques: vec![],
+            shared: None,
+            reports: VecDeque::new(),
+            plan: Plan::default(),
+            costs: CostMap::default(),
+        }
+    }
+
+    fn add(&mut self, desk: Arc<Desk<T::Frame, T::Output>>) {
+        self.desks.push(desk);
+        self.pinned.push(Pinned::Free);
+        self.due.push(Some(0));
+        self.deques.push(Some(Deque::new_fifo()));
+    }
+
     /// Number of workers.
     pub fn workers(&self) -> usize {
-        self.commands.len()
+        self.desks.len()
     }
 
     /// Where each worker runs.
@@ -87,127 +99,267 @@ impl<T: TileTask> Master<T> {
         &self.pinned
     }
 
-    /// Runs every tile once and hands each output to `collect` on this thread, in the order in which they finish.
-    /// Returns the frame when no worker uses it any more.
+    /// Runs every tile once and hands each output to `collect` on this thread, in the order in which they arrive. The
+    /// strategy may cut the tiles and change their order. Returns the frame when no worker uses it any more.
     ///
     /// # Errors
     ///
-    /// [`Error::Worker`] if a tile panicked, [`Error::Interrupted`] if `control` was cancelled before the end. Either
-    /// way no worker is busy afterwards, and the next frame can be run.
+    /// [`Error::Worker`] if a tile panicked, [`Error::Interrupted`] if `control` was cancelled before the end: then no
+    /// worker is busy afterwards, and the next frame can be run. [`Error::Failed`] if a worker thread was lost or none
+    /// is left; the next frame does without the lost ones.
     pub fn run_frame(
         &mut self,
-        strategy: Strategy,
+        schedule: Schedule,
         frame: T::Frame,
         tiles: &[Tile],
         control: &Control<'_>,
-        mut collect: impl FnMut(Tile, T::Output),
+        mut collect: impl FnMut(&T::Frame, Tile, &mut T::Output),
     ) -> Result<(T::Frame, FrameStats)> {
-        self.settle()?;
-        let frame = Arc::new(frame);
-        let mut stats = FrameStats { seconds: 0.0, workers: self.idle_stats() };
-        let start = Instant::now();
-        match strategy {
-            Strategy::Dynamic => self.dynamic(&frame, tiles, control, &mut stats, &mut collect)?,
-        }
-        stats.seconds = start.elapsed().as_secs_f64();
-        if control.cancelled() {
-            return Err(Error::Interrupted);
-        }
-        Ok((Arc::into_inner(frame).ok_or_else(lost_worker)?, stats))
-    }
-
-    /// [`Strategy::Dynamic`]: one tile each, then one tile per report.
-    fn dynamic(
-        &mut self,
-        frame: &Arc<T::Frame>,
-        tiles: &[Tile],
-        control: &Control<'_>,
-        stats: &mut FrameStats,
-        collect: &mut impl FnMut(Tile, T::Output),
-    ) -> Result<()> {
-        let mut rest = tiles.iter();
-        let mut stopped = if control.cancelled() { Some(Error::Interrupted) } else { None };
-        if stopped.is_none() {
-            for (worker, &tile) in (0..self.workers()).zip(rest.by_ref()) {
-                self.deal(worker, frame, tile)?;
-            }
-        }
-        let mut done = 0;
-        while self.due > 0 {
-            let (worker, result) = self.collect_one(stats)?;
-            match result {
-                Ok((tile, output)) => {
-                    collect(tile, output);
-                    done += 1;
-                    control.report(Progress { done, total: tiles.len() });
-                }
-                // Of several panics the first one collected is told.
-                Err(error) => stopped = stopped.or(Some(error)),
-            }
-            if stopped.is_none() && control.cancelled() {
-                stopped = Some(Error::Interrupted);
-            }
-            if let (None, Some(&tile)) = (&stopped, rest.next()) {
-                self.deal(worker, frame, tile)?;
-            }
-        }
-        stopped.map_or(Ok(()), Err)
-    }
-
-    fn deal(&mut self, worker: usize, frame: &Arc<T::Frame>, tile: Tile) -> Result<()> {
-        let command = Command { frame: Arc::clone(frame), tile };
-        self.commands[worker].send(command).map_err(|_| lost_worker())?;
-        self.due += 1;
-        Ok(())
-    }
-
-    /// Waits for one report: who sent it, and the tile's output or its panic as an error.
-    #[allow(clippy::type_complexity)]
-    fn collect_one(&mut self, stats: &mut FrameStats) -> Result<(usize, Result<(Tile, T::Output)>)> {
-        let Report::Done { worker, tile, busy, outcome } = self.reports.recv().map_err(|_| lost_worker())?
-        else {
+        self.settle();
+        let workers: Vec<usize> = (0..self.workers()).filter(|&worker| self.due[worker].is_some()).collect();
+        if workers.is_empty() {
             return Err(lost_worker());
+        }
+        let start = Instant::now();
+        self.plan.fill(schedule.strategy, workers.len(), tiles, &self.costs);
+        let dealer = Dealer::new(schedule.strategy, workers.len(), &self.plan);
+        let stats = self.empty_stats();
+        let shared = self.share(schedule, frame);
+        let mut running = Running {
+            start,
+            schedule,
+            dealer,
+            stats,
+            failure: control.cancelled().then_some(Error::Interrupted),
+            done: 0,
         };
-        self.due -= 1;
-        stats.workers[worker].busy_seconds += busy.as_secs_f64();
-        stats.workers[worker].tiles += usize::from(outcome.is_ok());
-        let Tile { x, y, width, height } = tile;
-        let result = outcome.map(|output| (tile, output)).map_err(|message| Error::Worker {
-            x,
-            y,
-            width,
-            height,
-            message,
+        if running.failure.is_none() {
+            self.deal_first(&workers, &shared, &mut running);
+        }
+        self.shared = Some(shared);
+        while self.is_due() {
+            self.collect_some(control, &mut running, &mut collect);
+        }
+        self.finish(running, control)
+    }
+
+    /// What the workers will see of the frame; stocks their desks.
+    fn share(&mut self, schedule: Schedule, frame: T::Frame) -> Arc<Shared<T::Frame>> {
+        let parcels = if schedule.strategy.blocks() { 1 } else { PARCELS };
+        self.desks.iter().for_each(|desk| desk.stock(parcels));
+        let stealers: Vec<Stealer<usize>> =
+            self.deques.iter_mut().map(|deque| deque.get_or_insert_with(Deque::new_fifo).stealer()).collect();
+        Arc::new(Shared {
+            frame,
+            tiles: std::mem::take(&mut self.plan.tiles),
+            stop: AtomicBool::new(false),
+            each_tile: schedule.film == FilmMode::Messages,
+            stealers,
+        })
+    }
+
+    /// Each worker's first task, and those that wait behind it.
+    fn deal_first(&mut self, workers: &[usize], shared: &Arc<Shared<T::Frame>>, running: &mut Running) {
+        let stealing = running.schedule.strategy == Strategy::Stealing;
+        let runs: Vec<_> = (0..workers.len()).map(|i| running.dealer.first(i, &self.plan)).collect();
+        if stealing {
+            // All deques are filled before anybody looks into them; who owns nothing may steal.
+            for (&worker, run) in workers.iter().zip(&runs) {
+                let deque = self.deques[worker].as_ref();
+                run.iter()
+                    .flat_map(|run| run.places())
+                    .for_each(|i| deque.into_iter().for_each(|d| d.push(i)));
+            }
+        }
+        for (&worker, run) in workers.iter().zip(runs) {
+            let work = match run {
+                _ if stealing => self.deques[worker].take().map(Work::Share),
+                run => run.map(Work::Run),
+            };
+            self.deal(worker, work, shared, None, running);
+        }
+        for _ in 1..running.schedule.strategy.tasks_at_once() {
+            for &worker in workers {
+                let next = running.dealer.next(&self.plan).map(Work::Run);
+                self.deal(worker, next, shared, None, running);
+            }
+        }
+    }
+
+    /// Lays a parcel, a task, both or nothing on a worker's desk.
+    fn deal(
+        &mut self,
+        worker: usize,
+        work: Option<Work>,
+        shared: &Arc<Shared<T::Frame>>,
+        parcel: Option<Box<Parcel<T::Output>>>,
+        running: &mut Running,
+    ) {
+        let Some(due) = &mut self.due[worker] else { return };
+        let task = work.map(|work| {
+            *due += 1;
+            running.stats.tasks.count += 1;
+            Task { shared: Arc::clone(shared), work, sent: Instant::now() }
         });
-        Ok((worker, result))
+        self.desks[worker].lay(parcel, task);
+    }
+
+    /// Waits for reports, collects what has come, and answers.
+    fn collect_some(
+        &mut self,
+        control: &Control<'_>,
+        running: &mut Running,
+        collect: &mut impl FnMut(&T::Frame, Tile, &mut T::Output),
+    ) {
+        self.inbox.take(&mut self.reports, LONGEST_WAIT);
+        let now = Instant::now();
+        // One by one: if `collect` panics, the others stay for `settle`.
+        while let (Some(report), Some(shared)) = (self.reports.pop_front(), self.shared.clone()) {
+            match report {
+                Report::Ready { .. } => {}
+                Report::Lost { worker } => {
+                    self.lose(worker);
+                    running.fail(lost_worker());
+                }
+                Report::Parcel { worker, mut parcel, sent } => {
+                    running.stats.reports.count += 1;
+                    running.stats.reports.arrived(now.saturating_duration_since(sent));
+                    running.note(worker, &mut parcel, &shared.tiles);
+                    self.note_finished(worker, &mut parcel);
+                    let used = parcel.used;
+                    for item in &mut parcel.items[..used] {
+                        collect(&shared.frame, shared.tiles[item.place], &mut item.output);
+                        running.done += 1;
+                        control.report(Progress { done: running.done, total: shared.tiles.len() });
+                    }
+                    if control.cancelled() {
+                        running.fail(Error::Interrupted);
+                    }
+                    let entitled = parcel.finished && running.failure.is_none();
+                    let next = if entitled { running.dealer.next(&self.plan) } else { None };
+                    parcel.empty();
+                    self.deal(worker, next.map(Work::Run), &shared, Some(parcel), running);
+                }
+            }
+            if running.failure.is_some() {
+                shared.stop.store(true, Ordering::Relaxed);
+            }
+        }
+        if let (Some(shared), true) = (&self.shared, control.cancelled()) {
+            running.fail(Error::Interrupted);
+            shared.stop.store(true, Ordering::Relaxed);
+        }
+    }
+
+    fn note_finished(&mut self, worker: usize, parcel: &mut Parcel<T::Output>) {
+        if parcel.finished {
+            self.due[worker] = self.due[worker].map(|due| due - 1);
+            self.deques[worker] = self.deques[worker].take().or(parcel.deque.take());
+        }
+    }
+
+    /// All tasks are done.
+    fn finish(&mut self, mut running: Running, control: &Control<'_>) -> Result<(T::Frame, FrameStats)> {
+        running.stats.seconds = running.start.elapsed().as_secs_f64();
+        self.empty_deques();
+        let shared = self.shared.take().and_then(Arc::into_inner).ok_or_else(lost_worker)?;
+        self.plan.tiles = shared.tiles;
+        if control.cancelled() {
+            running.fail(Error::Interrupted);
+        }
+        if let Some(error) = running.failure {
+            return Err(error);
+        }
+        if running.done != self.plan.tiles.len() {
+            return Err(lost_worker());
+        }
+        running.stats.sum_up();
+        self.costs.reset(&self.plan.tiles);
+        running.stats.spans.iter().for_each(|span| self.costs.record(span.tile, span.end - span.start));
+        Ok((shared.frame, running.stats))
     }
 
     /// Collects what a frame left due whose `collect` or progress callback panicked.
-    fn settle(&mut self) -> Result<()> {
-        let mut ignored = FrameStats { seconds: 0.0, workers: self.idle_stats() };
-        while self.due > 0 {
-            let _ = self.collect_one(&mut ignored)?;
+    fn settle(&mut self) {
+        if let Some(shared) = &self.shared {
+            shared.stop.store(true, Ordering::Relaxed);
         }
-        Ok(())
+        for (desk, _) in self.desks.iter().zip(&self.due).filter(|(_, due)| due.is_some_and(|due| due > 0)) {
+            // In place of the one that was lost in the panic.
+            desk.lay(Some(Box::default()), None);
+        }
+        while self.is_due() {
+            if self.reports.is_empty() {
+                self.inbox.take(&mut self.reports, LONGEST_WAIT);
+            }
+            match self.reports.pop_front() {
+                Some(Report::Lost { worker }) => self.lose(worker),
+                Some(Report::Parcel { worker, mut parcel, .. }) => {
+                    self.note_finished(worker, &mut parcel);
+                    parcel.empty();
+                    self.desks[worker].lay(Some(parcel), None);
+                }
+                Some(Report::Ready { .. }) | None => {}
+            }
+        }
+        self.shared = None;
+        self.empty_deques();
+    }
+
+    fn is_due(&self) -> bool {
+        self.due.iter().flatten().any(|&due| due > 0)
+    }
+
+    fn lose(&mut self, worker: usize) {
+        self.due[worker] = None;
+        self.desks[worker].clear();
+        if let Some(shared) = &self.shared {
+            shared.stop.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// A frame that stopped leaves tiles behind.
+    fn empty_deques(&mut self) {
+        for deque in self.deques.iter().flatten() {
+            while deque.pop().is_some() {}
+        }
     }
 
     fn await_ready(&mut self) -> Result<()> {
-        self.pinned = vec![Pinned::Free; self.workers()];
-        for _ in 0..self.workers() {
-            match self.reports.recv() {
-                Ok(Report::Ready { worker, pinned }) => self.pinned[worker] = pinned,
-                _ => return Err(lost_worker()),
+        let mut missing = self.workers();
+        while missing > 0 {
+            self.inbox.take(&mut self.reports, LONGEST_WAIT);
+            while let Some(report) = self.reports.pop_front() {
+                let Report::Ready { worker, pinned } = report else { return Err(lost_worker()) };
+                self.pinned[worker] = pinned;
+                missing -= 1;
             }
         }
         Ok(())
     }
 
-    fn idle_stats(&self) -> Vec<WorkerStats> {
-        self.pinned.iter().map(|&pinned| WorkerStats { pinned, busy_seconds: 0.0, tiles: 0 }).collect()
+    fn empty_stats(&self) -> FrameStats {
+        FrameStats {
+            seconds: 0.0,
+            workers: self.pinned.iter().map(|&pinned| WorkerStats::new(pinned)).collect(),
+            spans: Vec::with_capacity(self.plan.tiles.len()),
+            tasks: Messages::default(),
+            reports: Messages::default(),
+        }
     }
 }
 
-/// Workers outlive their master and report every command once, so this tells of a defect, not of a condition.
+/// Wherever the master goes, its workers must not wait for it.
+impl<T: TileTask> Drop for Master<T> {
+    fn drop(&mut self) {
+        if let Some(shared) = &self.shared {
+            shared.stop.store(true, Ordering::Relaxed);
+        }
+        self.desks.iter().for_each(|desk| desk.close());
+    }
+}
+
+/// A worker ends only when its desk is closed, so this tells of a defect, not of a condition.
 fn lost_worker() -> Error {
-    Error::Failed("a worker thread broke the protocol; please report this with the command line".into())
+    Error::Failed("a worker thread was lost; please report this with the command line".into())
 }

@@ -32,6 +32,9 @@ impl Machine {
             let allowed: Vec<usize> =
                 core_affinity::get_core_ids().unwrap_or_default().iter().map(|core| core.id).collect();
             let topology = Topology::read(Path::new("/sys/devices/system/cpu"), &allowed);
+            if let Some(text) = gaps(&allowed) {
+                log::info!("{text}");
+            }
             // The standard library reads the cgroup quotas, of both versions and of every parent.
             Machine::new(&topology, thread::available_parallelism().map_or(1, usize::from))
         })
@@ -58,6 +61,7 @@ impl Machine {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Placement {
     slots: Vec<Option<usize>>,
+    notes: Vec<String>,
 }
 
 impl Placement {
@@ -68,7 +72,14 @@ impl Placement {
         let count = threads.unwrap_or_else(|| machine.default_workers()).max(1);
         let pinnable = if pin { machine.parallelism } else { 0 };
         let cpus = machine.spread.iter().copied().take(pinnable).map(Some);
-        Placement { slots: cpus.chain(std::iter::repeat(None)).take(count).collect() }
+        let slots = cpus.chain(std::iter::repeat(None)).take(count).collect();
+        Placement { slots, notes: notes(machine, count, pin) }
+    }
+
+    /// What the user might not expect about where the workers run, a line each. Refused pins are not known here: see
+    /// [`refusals`].
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// The CPU of each worker; `None` leaves it to the operating system.
@@ -96,6 +107,52 @@ impl fmt::Display for Pinned {
             Pinned::Free => write!(f, "unpinned"),
         }
     }
+}
+
+fn notes(machine: &Machine, count: usize, pin: bool) -> Vec<String> {
+    let Machine { ref spread, cores, parallelism } = *machine;
+    let cpus = spread.len();
+    let mut notes = vec![];
+    if parallelism < cpus && (parallelism < cores || count > parallelism) {
+        notes.push(format!(
+            "the quota of this process is {parallelism} of its {cpus} CPUs: more workers gain nothing"
+        ));
+    }
+    if count > cpus && cpus > 0 {
+        let unpinned = if pin { " unpinned" } else { "" };
+        notes.push(format!(
+            "{count} workers share {cpus} CPUs: {} of them run{unpinned} in turns",
+            count - cpus
+        ));
+    } else if count > cores && cores > 0 {
+        notes.push(format!(
+            "{} of {count} workers share a physical core with another one (SMT): they gain little",
+            2 * (count - cores).min(cores)
+        ));
+    }
+    if cpus == 0 && pin {
+        notes.push("the CPUs of this machine cannot be listed: workers run unpinned".into());
+    }
+    notes
+}
+
+/// A line for each worker that the system did not let run where it should.
+pub fn refusals(pinned: &[Pinned]) -> Vec<String> {
+    let refused = |(worker, pinned): (usize, &Pinned)| match pinned {
+        Pinned::Refused(cpu) => {
+            Some(format!("the system refused CPU {cpu} to worker {worker}: it runs unpinned"))
+        }
+        _ => None,
+    };
+    pinned.iter().enumerate().filter_map(refused).collect()
+}
+
+/// Tells about a set of CPUs that leaves some out.
+fn gaps(allowed: &[usize]) -> Option<String> {
+    let (first, last) = (allowed.iter().min()?, allowed.iter().max()?);
+    let whole = *first == 0 && last - first + 1 == allowed.len();
+    let list = || allowed.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
+    (!whole).then(|| format!("this process may run on CPUs {} only", list()))
 }
 
 /// Pins the calling thread to `cpu`, if any.
@@ -131,6 +188,35 @@ mod tests {
         let machine = Machine { parallelism: 2, ..four_cores_with_smt() };
         assert_eq!(Placement::new(&machine, None, true).slots(), [Some(0), Some(2)]);
         assert_eq!(Placement::new(&machine, Some(3), true).slots(), [Some(0), Some(2), None]);
+    }
+
+    #[test]
+    fn what_the_user_might_not_expect_is_told_in_one_line_each() {
+        let notes = |machine: &Machine, threads| Placement::new(machine, threads, true).notes().to_vec();
+        let smt = four_cores_with_smt();
+        assert_eq!(notes(&smt, None), [""; 0]);
+        assert_eq!(notes(&smt, Some(4)), [""; 0]);
+        let shared = notes(&smt, Some(6));
+        assert!(
+            shared.len() == 1 && shared[0].starts_with("4 of 6 workers share a physical core"),
+            "{shared:?}"
+        );
+        let crowd = notes(&smt, Some(64));
+        assert!(crowd.len() == 1 && crowd[0].starts_with("64 workers share 8 CPUs: 56 of them"), "{crowd:?}");
+        let quota = notes(&Machine { parallelism: 2, ..smt }, None);
+        assert!(quota.len() == 1 && quota[0].contains("is 2 of its 8 CPUs"), "{quota:?}");
+        let unknown = notes(&Machine::new(&Topology::flat(&[]), 3), None);
+        assert!(unknown.len() == 1 && unknown[0].contains("cannot be listed"), "{unknown:?}");
+        let refused = refusals(&[Pinned::Cpu(0), Pinned::Refused(7), Pinned::Free]);
+        assert_eq!(refused, ["the system refused CPU 7 to worker 1: it runs unpinned"]);
+    }
+
+    #[test]
+    fn a_set_of_cpus_with_gaps_is_told() {
+        assert_eq!(gaps(&[0, 1, 2, 3]), None);
+        assert_eq!(gaps(&[]), None);
+        assert_eq!(gaps(&[2, 4, 11]).unwrap(), "this process may run on CPUs 2,4,11 only");
+        assert!(gaps(&[1, 2]).is_some());
     }
 
     #[test]

@@ -1,49 +1,228 @@
 //! The worker's side of the protocol.
 
 use super::TileTask;
+use super::mail::{Desk, Inbox};
+use super::message::{Item, Parcel, Report, Shared, Task, Wait, Work};
 use super::pin::pin_current_thread;
-use super::protocol::{Command, Report};
-use crossbeam_channel::{Receiver, Sender};
+use crate::tile::Tile;
+use crossbeam_deque::{Steal, Stealer, Worker as Deque};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::time::Instant;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
 
-/// Runs commands until their channel closes. Never panics because of the task.
+/// Results are sent at the latest after this long, so that people see progress.
+const LONGEST_SILENCE: Duration = Duration::from_millis(50);
+
+/// Serves tasks until the desk closes. Never panics: a panic outside of the task is told as a lost worker.
 pub(super) fn work<T: TileTask>(
     task: &T,
     worker: usize,
     cpu: Option<usize>,
-    commands: Receiver<Command<T::Frame>>,
-    reports: Sender<Report<T::Output>>,
+    desk: &Desk<T::Frame, T::Output>,
+    inbox: &Inbox<T::Output>,
 ) {
-    let pinned = pin_current_thread(cpu);
-    // After pinning, so that the memory is first touched, and thus placed, where it will be used.
-    let mut scratch = guarded(|| task.scratch(worker)).ok();
-    if reports.send(Report::Ready { worker, pinned }).is_err() {
-        return;
+    let served = guarded(|| {
+        let pinned = pin_current_thread(cpu);
+        // After pinning, so that the memory is first touched, and thus placed, where it will be used.
+        let scratch = guarded(|| task.scratch(worker)).ok();
+        inbox.post(Report::Ready { worker, pinned });
+        let now = Instant::now();
+        let log = Log { waits: vec![], task_latencies: vec![], steals: 0, last_post: now };
+        Hand { task, worker, desk, inbox, scratch, parcel: None, log }.serve();
+    });
+    if served.is_err() {
+        inbox.post(Report::Lost { worker });
     }
-    for Command { frame, tile } in commands {
-        let start = Instant::now();
-        let outcome = guarded(|| {
-            let scratch = scratch.get_or_insert_with(|| task.scratch(worker));
-            task.run(&frame, tile, scratch)
-        });
-        let busy = start.elapsed();
-        if outcome.is_err() {
-            // The panic may have left it half-changed.
-            let _ = guarded(|| scratch = None);
+}
+
+/// One worker at work.
+struct Hand<'a, T: TileTask> {
+    task: &'a T,
+    worker: usize,
+    desk: &'a Desk<T::Frame, T::Output>,
+    inbox: &'a Inbox<T::Output>,
+    /// `None` after a panic, until the next tile.
+    scratch: Option<T::Scratch>,
+    /// The one being filled.
+    parcel: Option<Box<Parcel<T::Output>>>,
+    log: Log,
+}
+
+/// What is told with the next parcel.
+struct Log {
+    waits: Vec<Wait>,
+    task_latencies: Vec<Duration>,
+    steals: usize,
+    last_post: Instant,
+}
+
+impl<T: TileTask> Hand<'_, T> {
+    fn serve(&mut self) {
+        loop {
+            let start = Instant::now();
+            let (task, waited) = self.desk.task();
+            let Some(Task { shared, work, sent }) = task else { return };
+            if waited {
+                let end = Instant::now();
+                self.log.waits.push(Wait { start, end, deliver: false });
+                self.log.task_latencies.push(end.saturating_duration_since(sent));
+            }
+            self.log.last_post = Instant::now();
+            let failure = match &work {
+                Work::Run(run) => self.run(&shared, &mut run.places()),
+                Work::Share(deque) => {
+                    let (worker, mut steals) = (self.worker, 0);
+                    let mut places =
+                        std::iter::from_fn(|| next_or_stolen(worker, deque, &shared.stealers, &mut steals));
+                    let failure = self.run(&shared, &mut places);
+                    self.log.steals += steals;
+                    failure
+                }
+            };
+            // Before the report: when the master has all reports, the frame must be its own again.
+            drop(shared);
+            if self.hold_parcel().is_none() {
+                return;
+            }
+            if let Some(parcel) = &mut self.parcel {
+                parcel.finished = true;
+                parcel.failure = failure;
+                parcel.deque = match work {
+                    Work::Run(_) => None,
+                    Work::Share(deque) => Some(deque),
+                };
+            }
+            self.post();
         }
-        // Before the report: when the master has all reports, the frame must be its own again.
-        drop(frame);
-        if reports.send(Report::Done { worker, tile, busy, outcome }).is_err() {
-            return;
+    }
+
+    /// Runs these tiles until the frame stops. Returns the tile that panicked, if one did.
+    fn run(
+        &mut self,
+        shared: &Shared<T::Frame>,
+        places: &mut dyn Iterator<Item = usize>,
+    ) -> Option<(Tile, String)> {
+        let mut next = places.next();
+        while let Some(place) = next {
+            if shared.stop.load(Ordering::Relaxed) {
+                return None;
+            }
+            let tile = shared.tiles[place];
+            // A closed desk ends the task; `serve` sees it, too.
+            let item = self.next_item(place)?;
+            if let Err(message) = self.run_tile(&shared.frame, tile, item) {
+                shared.stop.store(true, Ordering::Relaxed);
+                return Some((tile, message));
+            }
+            next = places.next();
+            // The last ones go with the news that the task is finished.
+            if next.is_some() && (shared.each_tile || self.has_been_silent()) {
+                self.post();
+            }
+        }
+        None
+    }
+
+    fn run_tile(&mut self, frame: &T::Frame, tile: Tile, item: usize) -> Result<(), String> {
+        let Some(parcel) = &mut self.parcel else { return Ok(()) };
+        let Item { start, end, output, .. } = &mut parcel.items[item];
+        *start = Instant::now();
+        let outcome = guarded(|| {
+            let scratch = self.scratch.get_or_insert_with(|| self.task.scratch(self.worker));
+            self.task.run(frame, tile, scratch, output);
+        });
+        *end = Instant::now();
+        match outcome {
+            Ok(()) => parcel.used += 1,
+            Err(_) => {
+                // The panic may have left them half-changed.
+                let _ = guarded(|| self.scratch = None);
+                let _ = guarded(|| parcel.items.truncate(parcel.used));
+            }
+        }
+        outcome
+    }
+
+    /// Index of the item to fill next.
+    fn next_item(&mut self, place: usize) -> Option<usize> {
+        let parcel = self.hold_parcel()?;
+        if let Some(item) = parcel.items.get_mut(parcel.used) {
+            item.place = place;
+        } else {
+            let now = Instant::now();
+            parcel.items.push(Item { place, start: now, end: now, output: T::Output::default() });
+        }
+        Some(parcel.used)
+    }
+
+    /// Waits for a parcel unless one is held.
+    fn hold_parcel(&mut self) -> Option<&mut Box<Parcel<T::Output>>> {
+        if self.parcel.is_none() {
+            let start = Instant::now();
+            let (parcel, waited) = self.desk.parcel();
+            if waited {
+                self.log.waits.push(Wait { start, end: Instant::now(), deliver: true });
+            }
+            self.parcel = parcel;
+        }
+        self.parcel.as_mut()
+    }
+
+    fn has_been_silent(&self) -> bool {
+        let end =
+            self.parcel.as_ref().and_then(|parcel| parcel.items[..parcel.used].last()).map(|item| item.end);
+        end.is_some_and(|end| end.saturating_duration_since(self.log.last_post) > LONGEST_SILENCE)
+    }
+
+    /// Sends the parcel held, if any.
+    fn post(&mut self) {
+        let Some(mut parcel) = self.parcel.take() else { return };
+        parcel.waits.append(&mut self.log.waits);
+        parcel.task_latencies.append(&mut self.log.task_latencies);
+        parcel.steals = std::mem::take(&mut self.log.steals);
+        let sent = Instant::now();
+        self.log.last_post = sent;
+        self.inbox.post(Report::Parcel { worker: self.worker, parcel, sent });
+    }
+}
+
+/// The next tile of the worker's own deque; if that is empty, half of the fullest one moves there. `None` if all are
+/// empty: what another worker is just moving is that worker's.
+fn next_or_stolen(
+    worker: usize,
+    own: &Deque<usize>,
+    stealers: &[Stealer<usize>],
+    steals: &mut usize,
+) -> Option<usize> {
+    if let Some(place) = own.pop() {
+        return Some(place);
+    }
+    loop {
+        let others = stealers.iter().enumerate().filter(|&(other, _)| other != worker);
+        let (rest, victim) =
+            others.map(|(_, stealer)| (stealer.len(), stealer)).max_by_key(|&(rest, _)| rest)?;
+        if rest == 0 {
+            return None;
+        }
+        // Without a limit of the crate's: it takes half.
+        if let Steal::Success(place) = victim.steal_batch_with_limit_and_pop(own, usize::MAX) {
+            *steals += 1;
+            return Some(place);
         }
     }
 }
 
 /// Calls `f`; a panic becomes its message. Callers drop whatever a panic may have left inconsistent.
 fn guarded<R>(f: impl FnOnce() -> R) -> Result<R, String> {
-    catch_unwind(AssertUnwindSafe(f)).map_err(|payload| message_of(payload.as_ref()))
+    catch_unwind(AssertUnwindSafe(f)).map_err(|payload| {
+        let message = message_of(payload.as_ref());
+        // Even a payload can panic when it is dropped; the second one is leaked.
+        if let Err(again) = catch_unwind(AssertUnwindSafe(|| drop(payload))) {
+            std::mem::forget(again);
+        }
+        message
+    })
 }
 
 fn message_of(payload: &(dyn Any + Send)) -> String {

@@ -7,7 +7,7 @@ use crate::{
     kernels::Isa,
     render::{RenderOptions, render},
     scene::procedural,
-    schedule::{Control, Strategy},
+    schedule::{Control, FilmMode, Schedule, Strategy},
     tile::Order,
     trace::{EarlyTermination, KernelChoice},
 };
@@ -105,7 +105,7 @@ fn values(options: &RenderOptions) -> [String; 8] {
         options.kernel.to_string(),
         format!("{} threads", options.threads.unwrap_or(0)),
         options.order.to_string(),
-        options.schedule.to_string(),
+        format!("{}, film {}", options.schedule.strategy, options.schedule.film),
         format!("tiles of {:4}", options.tile),
         format!("{} tree", options.build),
         if options.early == EarlyTermination::FASTEST { "as by default".into() } else { "another".into() },
@@ -120,7 +120,7 @@ fn base(setup: &Setup) -> RenderOptions {
         threads: Some(1),
         pin: false,
         order: Order::Scanline,
-        schedule: Strategy::default(),
+        schedule: Schedule::default(),
         tile: 64,
         size: SIZE,
         frames: 1,
@@ -143,7 +143,10 @@ fn singles(setup: &Setup) -> Vec<RenderOptions> {
     }
     all.extend(THREADS.map(|threads| RenderOptions { threads: Some(threads), ..base }));
     all.extend(Order::ALL.map(|order| RenderOptions { order, ..base }));
-    all.extend(Strategy::ALL.map(|schedule| RenderOptions { schedule, threads: Some(2), ..base }));
+    for film in FilmMode::ALL {
+        let schedules = Strategy::ALL.map(|strategy| Schedule { strategy, film });
+        all.extend(schedules.map(|schedule| RenderOptions { schedule, threads: Some(2), ..base }));
+    }
     all.extend(TILES.map(|tile| RenderOptions { tile, ..base }));
     all.extend(BuildPreset::ALL.map(|build| RenderOptions { build, ..base }));
     all
@@ -157,7 +160,7 @@ fn any(setup: &Setup, random: &mut Random) -> Option<RenderOptions> {
         kernel: random.of(&KernelChoice::ALL),
         threads: Some(random.of(&THREADS)),
         order: random.of(&Order::ALL),
-        schedule: random.of(&Strategy::ALL),
+        schedule: Schedule { strategy: random.of(&Strategy::ALL), film: random.of(&FilmMode::ALL) },
         tile: random.of(&TILES),
         build: random.of(&BuildPreset::ALL),
         early: random.of(&early),

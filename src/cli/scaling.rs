@@ -1,0 +1,225 @@
+//! `irt scaling`.
+
+use super::{
+    args::{ScalingArgs, Talk},
+    export::TableExports,
+    interrupt, options, terminal,
+};
+use crate::{
+    error::{Error, Result},
+    kernels::Visibility,
+    output::{OutputFile, PendingFile},
+    render::{RenderOptions, choose_kernels},
+    report::{
+        ScalingRecord, idle_table, limits_table, scaling_table, significant, sizes_table, thesis_table,
+        timeline_svg, timeline_trace, to_json, validation_table, worker_map,
+    },
+    scene::{Scene, load},
+    schedule::{Control, FilmMode, Machine, Placement, Schedule, Strategy},
+    study::scaling::{Costs, ScalingOptions, ScalingRow, overhead_per_tile, scaling, tile_sizes},
+    trace::{EarlyTermination, KernelChoice},
+};
+use std::io::Write;
+use std::path::Path;
+
+/// Scenes unless others are named: those built in as counterparts of the thesis' four.
+const SCENES: [&str; 4] = ["statue", "office", "nave", "atrium"];
+/// Sides of the tiles that `--tiles` compares.
+const SIDES: [u32; 6] = [16, 32, 64, 128, 256, 512];
+
+/// Measures and simulates strategies, or sizes of tiles.
+///
+/// # Errors
+/// Whatever is wrong with the arguments, a scene or an export; [`Error::Failed`] if two strategies give different
+/// images.
+pub(super) fn run(args: &ScalingArgs, talk: Talk) -> Result<()> {
+    choose_kernels(args.isa.isa())?;
+    interrupt::install()?;
+    let exports = TableExports::open(&args.export)?;
+    if let Some(folder) = &args.pictures {
+        std::fs::create_dir_all(folder).map_err(|error| {
+            Error::file(folder, format!("the folder cannot be created ({error})"), "choose another one")
+        })?;
+    }
+    let pin = args.pin.pin();
+    Placement::new(Machine::get(), None, pin).notes().iter().for_each(|note| log::warn!("{note}"));
+    let costs = Costs::measure(pin)?;
+    if args.tiles { sizes(args, talk, &costs, exports) } else { strategies(args, talk, &costs, exports) }
+}
+
+fn strategies(args: &ScalingArgs, talk: Talk, costs: &Costs, exports: TableExports) -> Result<()> {
+    let mut told = told_costs(costs, args.pin.pin())?;
+    let mut all: Vec<ScalingRow> = vec![];
+    for (spec, scene) in scenes(args, talk)? {
+        let options = ScalingOptions {
+            render: render_options(args, &scene)?,
+            schedules: schedules(args),
+            workers: sorted(&args.workers),
+            rounds: args.rounds,
+            network: args.network,
+            thesis_scene: thesis_scene(spec),
+        };
+        let rows = scaling(&scene, &options, costs, &Control::new(interrupt::flag(), &|_| {}))?;
+        if let Some(folder) = &args.pictures {
+            rows.iter().try_for_each(|row| pictures(folder, row, options.render.size))?;
+        }
+        for film in FilmMode::ALL.into_iter().filter(|film| rows.iter().any(|row| row.schedule.film == *film))
+        {
+            told += &thesis_table(&rows, &scene.name, film).to_terminal();
+        }
+        all.extend(rows);
+    }
+    told += "* simulated. A cell is frames per second and efficiency T1 / (n Tn).\n";
+    for table in [idle_table(&all), validation_table(&all), limits_table(&all)] {
+        if !table.rows().is_empty() {
+            told += &format!("\n{}", table.to_terminal());
+        }
+    }
+    let records: Vec<ScalingRecord> = all.iter().map(ScalingRecord::from).collect();
+    let taken = exports.is_stdout();
+    exports.write_files(&records, &scaling_table(&all))?;
+    tell_result(taken, talk, &told)
+}
+
+fn sizes(args: &ScalingArgs, talk: Talk, costs: &Costs, exports: TableExports) -> Result<()> {
+    let mut all = vec![];
+    for (_, scene) in scenes(args, talk)? {
+        let render = RenderOptions {
+            schedule: Schedule {
+                strategy: args.strategies.first().copied().unwrap_or_default(),
+                film: args.films.first().copied().unwrap_or_default(),
+            },
+            ..render_options(args, &scene)?
+        };
+        let [width, height] = render.size;
+        let sides: Vec<u32> = SIDES.into_iter().filter(|&side| side <= width.max(height)).collect();
+        let control = Control::new(interrupt::flag(), &|_| {});
+        all.extend(tile_sizes(
+            &scene,
+            &render,
+            &sides,
+            &sorted(&args.workers),
+            args.rounds,
+            costs,
+            &control,
+        )?);
+    }
+    exports.write(&sizes_table(&all))
+}
+
+fn tell_result(taken: bool, talk: Talk, told: &str) -> Result<()> {
+    match (taken, talk.quiet) {
+        (false, _) => terminal::print(told),
+        (true, false) => {
+            terminal::note(told);
+            Ok(())
+        }
+        (true, true) => Ok(()),
+    }
+}
+
+/// What the scheduler itself takes on this machine.
+fn told_costs(costs: &Costs, pin: bool) -> Result<String> {
+    let mut told = String::new();
+    let micro = |seconds: f64| significant(seconds * 1e6, 3);
+    for strategy in Strategy::ALL {
+        let schedule = Schedule { strategy, film: FilmMode::Shared };
+        let seconds = overhead_per_tile(schedule, 1, pin)?;
+        told += &format!("{strategy}: {} us per empty tile, one worker\n", micro(seconds));
+    }
+    let Costs { send, latency, collect, steal, .. } = *costs;
+    told += &format!(
+        "message: {} us to send to who waits, {} us until it is read; report: {} us of the master; steal: {} us\n",
+        micro(send),
+        micro(latency),
+        micro(collect),
+        micro(steal)
+    );
+    Ok(told)
+}
+
+fn scenes(args: &ScalingArgs, talk: Talk) -> Result<Vec<(&str, Scene)>> {
+    let specs: Vec<&str> = match &args.scenes[..] {
+        [] => SCENES.to_vec(),
+        named => named.iter().map(String::as_str).collect(),
+    };
+    specs
+        .into_iter()
+        .map(|spec| {
+            if !talk.quiet {
+                terminal::note(&format!("irt: {spec}\n"));
+            }
+            let scene = load(spec)?;
+            scene.warnings.iter().for_each(|warning| log::warn!("{warning}"));
+            Ok((spec, scene))
+        })
+        .collect()
+}
+
+/// The thesis' name of a scene that was described after it.
+fn thesis_scene(spec: &str) -> Option<String> {
+    let path = Path::new(spec);
+    let folder = path.parent()?.file_name()?;
+    (folder == "thesis").then(|| path.file_stem().map(|name| name.to_string_lossy().into_owned()))?
+}
+
+fn schedules(args: &ScalingArgs) -> Vec<Schedule> {
+    Strategy::ALL
+        .into_iter()
+        .filter(|strategy| args.strategies.is_empty() || args.strategies.contains(strategy))
+        .flat_map(|strategy| {
+            FilmMode::ALL
+                .into_iter()
+                .filter(|film| args.films.is_empty() || args.films.contains(film))
+                .map(move |film| Schedule { strategy, film })
+        })
+        .collect()
+}
+
+fn sorted(workers: &[usize]) -> Vec<usize> {
+    let mut sorted = workers.to_vec();
+    sorted.sort_unstable();
+    sorted.dedup();
+    sorted
+}
+
+fn render_options(args: &ScalingArgs, scene: &Scene) -> Result<RenderOptions> {
+    let size = args.size.unwrap_or(scene.size);
+    options::check_tiles(size, args.tile)?;
+    Ok(RenderOptions {
+        isa: args.isa.isa(),
+        visibility: Visibility::default(),
+        kernel: KernelChoice::default(),
+        threads: None,
+        pin: args.pin.pin(),
+        order: args.order,
+        schedule: Schedule::default(),
+        tile: args.tile,
+        size,
+        frames: 1,
+        build: args.build,
+        early: EarlyTermination::default(),
+        seed: 0,
+    })
+}
+
+/// Timeline and map of one row's frame.
+fn pictures(folder: &Path, row: &ScalingRow, size: [u32; 2]) -> Result<()> {
+    let Schedule { strategy, film } = row.schedule;
+    let simulated = if row.simulated { "-simulated" } else { "" };
+    let scene = row.scene.replace(['/', ' '], "-");
+    let file =
+        |ending: &str| folder.join(format!("{scene}-{strategy}-{film}-{}{simulated}.{ending}", row.workers));
+    let title = format!(
+        "{}: {strategy}, film {film}, {} workers{}, {} ms",
+        row.scene,
+        row.workers,
+        if row.simulated { " (simulated)" } else { "" },
+        significant(row.frame.seconds * 1e3, 4)
+    );
+    let text =
+        |path: &Path, text: String| PendingFile::create(path)?.complete(|out| out.write_all(text.as_bytes()));
+    text(&file("svg"), timeline_svg(&title, &row.frame))?;
+    text(&file("trace.json"), to_json(&timeline_trace(&row.frame))?)?;
+    OutputFile::create(&file("png"))?.write(&worker_map(&row.frame, size), 0.0)
+}

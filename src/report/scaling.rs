@@ -1,0 +1,312 @@
+//! Tables and machine-readable rows of `irt scaling`.
+
+use super::number::significant;
+use super::{Cell, Statistics, Table};
+use crate::schedule::{FilmMode, Strategy};
+use crate::study::scaling::{ScalingRow, SizeRow};
+use serde::Serialize;
+
+/// One row of `--export-json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct ScalingRecord {
+    scene: String,
+    strategy: &'static str,
+    film: &'static str,
+    workers: usize,
+    simulated: bool,
+    fps: f64,
+    fps_min: f64,
+    fps_max: f64,
+    rounds: usize,
+    speedup: f64,
+    efficiency: f64,
+    efficiency_fastest: f64,
+    predicted_efficiency: Option<f64>,
+    thesis_fps: Option<f64>,
+    thesis_efficiency: Option<f64>,
+    idle: Vec<IdleRecord>,
+    tasks: MessageRecord,
+    reports: MessageRecord,
+    limited_by: &'static str,
+    limit_share: f64,
+}
+
+/// One worker in the median frame, in seconds.
+#[derive(Clone, Debug, Serialize)]
+struct IdleRecord {
+    tiles: usize,
+    steals: usize,
+    busy: f64,
+    start: f64,
+    work: f64,
+    deliver: f64,
+    tail: f64,
+}
+
+/// Messages of one direction in the median frame; latencies in seconds.
+#[derive(Clone, Debug, Serialize)]
+struct MessageRecord {
+    count: usize,
+    awaited: usize,
+    latency_mean: f64,
+    latency_max: f64,
+}
+
+impl From<&ScalingRow> for ScalingRecord {
+    fn from(row: &ScalingRow) -> ScalingRecord {
+        let messages = |m: &crate::schedule::Messages| MessageRecord {
+            count: m.count,
+            awaited: m.awaited,
+            latency_mean: m.latency(),
+            latency_max: m.latency_max,
+        };
+        let idle = row.frame.workers.iter().map(|worker| IdleRecord {
+            tiles: worker.tiles,
+            steals: worker.steals,
+            busy: worker.busy_seconds,
+            start: worker.idle.start,
+            work: worker.idle.work,
+            deliver: worker.idle.deliver,
+            tail: worker.idle.tail,
+        });
+        let (min, max) = Statistics::of(&row.seconds).map_or((f64::NAN, f64::NAN), |s| (s.min, s.max));
+        let (limited_by, limit_share) = row.limits()[0];
+        ScalingRecord {
+            scene: row.scene.clone(),
+            strategy: row.schedule.strategy.name(),
+            film: row.schedule.film.name(),
+            workers: row.workers,
+            simulated: row.simulated,
+            fps: 1.0 / row.median(),
+            fps_min: 1.0 / max,
+            fps_max: 1.0 / min,
+            rounds: row.seconds.len(),
+            speedup: row.efficiency * row.workers as f64,
+            efficiency: row.efficiency,
+            efficiency_fastest: row.fastest,
+            predicted_efficiency: row.predicted,
+            thesis_fps: row.thesis.map(|thesis| thesis.fps),
+            thesis_efficiency: row.thesis.and_then(|thesis| thesis.efficiency),
+            idle: idle.collect(),
+            tasks: messages(&row.frame.tasks),
+            reports: messages(&row.frame.reports),
+            limited_by,
+            limit_share,
+        }
+    }
+}
+
+/// All rows, one per scene, strategy, film mode and number of workers.
+pub fn scaling_table(rows: &[ScalingRow]) -> Table {
+    let mut table = Table::new([
+        "scene",
+        "strategy",
+        "film",
+        "workers",
+        "simulated",
+        "fps",
+        "fps_min",
+        "fps_max",
+        "speedup",
+        "efficiency",
+        "predicted_efficiency",
+        "thesis_fps",
+        "thesis_efficiency",
+        "tasks",
+        "reports",
+        "limited_by",
+    ]);
+    for row in rows.iter().map(ScalingRecord::from) {
+        table.push([
+            row.scene.into(),
+            row.strategy.into(),
+            row.film.into(),
+            row.workers.into(),
+            row.simulated.into(),
+            row.fps.into(),
+            row.fps_min.into(),
+            row.fps_max.into(),
+            row.speedup.into(),
+            row.efficiency.into(),
+            row.predicted_efficiency.into(),
+            row.thesis_fps.into(),
+            row.thesis_efficiency.into(),
+            row.tasks.count.into(),
+            row.reports.count.into(),
+            row.limited_by.into(),
+        ]);
+    }
+    table
+}
+
+/// Tables 2 to 5's counterpart for one scene and film mode: frames per second and efficiency by number of workers, with
+/// the thesis' figures below irt's. Simulated columns are marked with `*`.
+pub fn thesis_table(rows: &[ScalingRow], scene: &str, film: FilmMode) -> Table {
+    let rows: Vec<&ScalingRow> =
+        rows.iter().filter(|row| row.scene == scene && row.schedule.film == film).collect();
+    let mut counts: Vec<(usize, bool)> = rows.iter().map(|row| (row.workers, row.simulated)).collect();
+    counts.sort_unstable();
+    counts.dedup();
+    let heading =
+        |&(workers, simulated): &(usize, bool)| format!("{workers}{}", if simulated { " *" } else { "" });
+    let mut table = Table::new(std::iter::once(format!("{scene}, {film}")).chain(counts.iter().map(heading)));
+    for strategy in Strategy::ALL {
+        let of =
+            |workers| rows.iter().find(|row| row.schedule.strategy == strategy && row.workers == workers);
+        let cells: Vec<Cell> = counts
+            .iter()
+            .map(|&(workers, _)| {
+                of(workers).map(|row| figure(1.0 / row.median(), Some(row.efficiency))).into()
+            })
+            .collect();
+        if cells.iter().all(|cell| *cell == Cell::Missing) {
+            continue;
+        }
+        table.push(std::iter::once(strategy.name().into()).chain(cells));
+        let thesis: Vec<Cell> = counts
+            .iter()
+            .map(|&(workers, _)| {
+                of(workers).and_then(|row| row.thesis).map(|t| figure(t.fps, t.efficiency)).into()
+            })
+            .collect();
+        if thesis.iter().any(|cell| *cell != Cell::Missing) {
+            table.push(std::iter::once("  thesis".into()).chain(thesis));
+        }
+    }
+    table
+}
+
+fn figure(fps: f64, efficiency: Option<f64>) -> String {
+    let fps = significant(fps, 4);
+    efficiency.map_or_else(|| fps.clone(), |e| format!("{fps} {}", percent(e)))
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", share * 100.0)
+}
+
+/// Where each worker's time went in the median frame, at the largest measured number of workers, and the messages.
+pub fn idle_table(rows: &[ScalingRow]) -> Table {
+    let mut table = Table::new([
+        "scene",
+        "strategy",
+        "film",
+        "worker",
+        "tiles",
+        "steals",
+        "busy",
+        "start",
+        "work",
+        "deliver",
+        "tail",
+        "tasks",
+        "reports",
+        "latency us",
+    ]);
+    let most = rows.iter().filter(|row| !row.simulated).map(|row| row.workers).max();
+    for row in rows.iter().filter(|row| !row.simulated && Some(row.workers) == most) {
+        let share = |seconds: f64| Cell::from(percent(seconds / row.frame.seconds));
+        for (number, worker) in row.frame.workers.iter().enumerate() {
+            // Messages are counted for all workers together.
+            let once = |cell: Cell| if number == 0 { cell } else { Cell::Missing };
+            table.push([
+                row.scene.as_str().into(),
+                row.schedule.strategy.name().into(),
+                row.schedule.film.name().into(),
+                number.into(),
+                worker.tiles.into(),
+                worker.steals.into(),
+                share(worker.busy_seconds),
+                share(worker.idle.start),
+                share(worker.idle.work),
+                share(worker.idle.deliver),
+                share(worker.idle.tail),
+                once(row.frame.tasks.count.into()),
+                once(row.frame.reports.count.into()),
+                once((row.frame.reports.latency() * 1e6).into()),
+            ]);
+        }
+    }
+    table
+}
+
+/// Predicted and measured efficiency side by side, by median frames and by the fastest ones.
+pub fn validation_table(rows: &[ScalingRow]) -> Table {
+    let mut table = Table::new([
+        "scene",
+        "strategy",
+        "film",
+        "workers",
+        "measured",
+        "fastest",
+        "simulated *",
+        "points apart",
+        "of fastest",
+    ]);
+    for row in rows.iter().filter(|row| row.workers > 1) {
+        let Some(predicted) = row.predicted else { continue };
+        table.push([
+            row.scene.as_str().into(),
+            row.schedule.strategy.name().into(),
+            row.schedule.film.name().into(),
+            row.workers.into(),
+            percent(row.efficiency).into(),
+            percent(row.fastest).into(),
+            percent(predicted).into(),
+            format!("{:+.1}", (predicted - row.efficiency) * 100.0).into(),
+            format!("{:+.1}", (predicted - row.fastest) * 100.0).into(),
+        ]);
+    }
+    table
+}
+
+/// What keeps the workers from their tiles at the largest number of workers: shares of the frame.
+pub fn limits_table(rows: &[ScalingRow]) -> Table {
+    let mut table = Table::new(["scene", "strategy", "film", "workers", "efficiency", "limited by"]);
+    let most = rows.iter().map(|row| row.workers).max();
+    for row in rows.iter().filter(|row| Some(row.workers) == most) {
+        let limits = row.limits();
+        let text = limits.iter().filter(|limit| limit.1 >= 0.005).take(3);
+        let text: Vec<String> = text.map(|(name, share)| format!("{name} {}", percent(*share))).collect();
+        table.push([
+            row.scene.as_str().into(),
+            row.schedule.strategy.name().into(),
+            row.schedule.film.name().into(),
+            format!("{}{}", row.workers, if row.simulated { " *" } else { "" }).into(),
+            percent(row.efficiency).into(),
+            if text.is_empty() { "nothing above 0.5 %".into() } else { text.join(", ").into() },
+        ]);
+    }
+    table
+}
+
+/// Frame times by size of the tiles.
+pub fn sizes_table(rows: &[SizeRow]) -> Table {
+    let mut table = Table::new([
+        "scene",
+        "workers",
+        "simulated",
+        "side",
+        "tiles",
+        "ms",
+        "dearest/cheapest",
+        "dearest/mean",
+        "best",
+        "by_rule",
+    ]);
+    for row in rows {
+        table.push([
+            row.scene.as_str().into(),
+            row.workers.into(),
+            row.simulated.into(),
+            row.side.into(),
+            row.tiles.into(),
+            (row.seconds * 1e3).into(),
+            row.ratio.into(),
+            row.over_mean.into(),
+            row.best.into(),
+            row.by_rule.into(),
+        ]);
+    }
+    table
+}

@@ -1,0 +1,139 @@
+//! The two places where messages wait: a desk for each worker, and the master's inbox.
+//!
+//! Both are a mutex around what lies there and a condition to wait on, so that whoever waits is parked. Nobody is
+//! notified who does not wait: that would be a system call for nothing. What has been received leaves its memory
+//! behind, so that in steady state nothing is allocated.
+
+use super::message::{Parcel, Report, Task};
+use super::sync::{Condvar, Mutex, MutexGuard};
+use std::collections::VecDeque;
+use std::sync::PoisonError;
+use std::time::Duration;
+
+/// What the master laid out for one worker.
+pub(super) struct Desk<F, O> {
+    state: Mutex<OnDesk<F, O>>,
+    changed: Condvar,
+}
+
+struct OnDesk<F, O> {
+    tasks: VecDeque<Task<F>>,
+    /// Empty ones, to be filled and sent. Boxed, because they travel.
+    #[allow(clippy::vec_box)]
+    parcels: Vec<Box<Parcel<O>>>,
+    closed: bool,
+    worker_waits: bool,
+}
+
+impl<F, O> Desk<F, O> {
+    pub(super) fn new() -> Desk<F, O> {
+        let state = OnDesk { tasks: VecDeque::new(), parcels: vec![], closed: false, worker_waits: false };
+        Desk { state: Mutex::new(state), changed: Condvar::new() }
+    }
+
+    /// Master: makes it `count` parcels, while no task is under way.
+    pub(super) fn stock(&self, count: usize) {
+        lock(&self.state).parcels.resize_with(count, Box::default);
+    }
+
+    /// Master: lays down a parcel, a task, both or nothing.
+    pub(super) fn lay(&self, parcel: Option<Box<Parcel<O>>>, task: Option<Task<F>>) {
+        let mut state = lock(&self.state);
+        state.parcels.extend(parcel);
+        state.tasks.extend(task);
+        self.wake(state);
+    }
+
+    /// Master: no more tasks and parcels will come.
+    pub(super) fn close(&self) {
+        let mut state = lock(&self.state);
+        state.closed = true;
+        self.wake(state);
+    }
+
+    /// Master: takes away what its worker, which is no more, left.
+    pub(super) fn clear(&self) {
+        lock(&self.state).tasks.clear();
+    }
+
+    fn wake(&self, mut state: MutexGuard<'_, OnDesk<F, O>>) {
+        let waits = std::mem::take(&mut state.worker_waits);
+        drop(state);
+        if waits {
+            self.changed.notify_one();
+        }
+    }
+
+    /// Worker: the next task, or `None` if the desk is closed. Second, whether it had to wait.
+    pub(super) fn task(&self) -> (Option<Task<F>>, bool) {
+        self.wait_for(|state| state.tasks.pop_front())
+    }
+
+    /// Worker: an empty parcel, or `None` if the desk is closed. Second, whether it had to wait.
+    pub(super) fn parcel(&self) -> (Option<Box<Parcel<O>>>, bool) {
+        self.wait_for(|state| state.parcels.pop())
+    }
+
+    fn wait_for<T>(&self, take: impl Fn(&mut OnDesk<F, O>) -> Option<T>) -> (Option<T>, bool) {
+        let mut state = lock(&self.state);
+        let mut waited = false;
+        loop {
+            // A closed desk is left at once: the master is gone, and so is the frame.
+            if state.closed {
+                return (None, waited);
+            }
+            if let Some(taken) = take(&mut state) {
+                return (Some(taken), waited);
+            }
+            waited = true;
+            state.worker_waits = true;
+            state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+            state.worker_waits = false;
+        }
+    }
+}
+
+/// What the workers sent to the master.
+pub(super) struct Inbox<O> {
+    state: Mutex<InInbox<O>>,
+    changed: Condvar,
+}
+
+struct InInbox<O> {
+    reports: VecDeque<Report<O>>,
+    master_waits: bool,
+}
+
+impl<O> Inbox<O> {
+    pub(super) fn new() -> Inbox<O> {
+        let state = InInbox { reports: VecDeque::new(), master_waits: false };
+        Inbox { state: Mutex::new(state), changed: Condvar::new() }
+    }
+
+    /// Worker: sends a report.
+    pub(super) fn post(&self, report: Report<O>) {
+        let mut state = lock(&self.state);
+        state.reports.push_back(report);
+        let waits = std::mem::take(&mut state.master_waits);
+        drop(state);
+        if waits {
+            self.changed.notify_one();
+        }
+    }
+
+    /// Master: waits until there is a report or `at_most` is over, and exchanges all reports for the empty `taken`.
+    pub(super) fn take(&self, taken: &mut VecDeque<Report<O>>, at_most: Duration) {
+        let mut state = lock(&self.state);
+        if state.reports.is_empty() {
+            state.master_waits = true;
+            state = self.changed.wait_timeout(state, at_most).unwrap_or_else(PoisonError::into_inner).0;
+            state.master_waits = false;
+        }
+        std::mem::swap(&mut state.reports, taken);
+    }
+}
+
+/// No panic can leave these states half-changed, so poison means nothing here.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,108 @@
+//! The messages between master and workers.
+
+use super::pin::Pinned;
+use super::plan::Run;
+use crate::tile::Tile;
+use crossbeam_deque::{Stealer, Worker as Deque};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+/// What all workers read while a frame lasts.
+pub(super) struct Shared<F> {
+    pub(super) frame: F,
+    pub(super) tiles: Vec<Tile>,
+    /// Set by anyone: no further tile is begun.
+    pub(super) stop: AtomicBool,
+    /// Every tile is a message of its own; else a task's results travel together.
+    pub(super) each_tile: bool,
+    /// The other end of every worker's deque.
+    pub(super) stealers: Vec<Stealer<usize>>,
+}
+
+/// Master to worker: do this.
+pub(super) struct Task<F> {
+    pub(super) shared: Arc<Shared<F>>,
+    pub(super) work: Work,
+    pub(super) sent: Instant,
+}
+
+/// The tiles of a task.
+pub(super) enum Work {
+    /// These.
+    Run(Run),
+    /// Those in the worker's own deque, then those in the others'. The deque returns with the last parcel.
+    Share(Deque<usize>),
+}
+
+/// Worker to master.
+pub(super) enum Report<O> {
+    /// Sent once, before the first task.
+    Ready { worker: usize, pinned: Pinned },
+    /// Results. The master empties the parcel and lays it back on the worker's desk.
+    Parcel { worker: usize, parcel: Box<Parcel<O>>, sent: Instant },
+    /// Sent at most once: the thread ends although its desk was not closed.
+    Lost { worker: usize },
+}
+
+/// Results of some tiles; travels full to the master and empty back.
+pub(super) struct Parcel<O> {
+    /// The first `used` are results; the others keep their memory for later ones.
+    pub(super) items: Vec<Item<O>>,
+    pub(super) used: usize,
+    /// The task is done, and its worker has let go of the frame.
+    pub(super) finished: bool,
+    /// The tile that panicked, and its message.
+    pub(super) failure: Option<(Tile, String)>,
+    pub(super) deque: Option<Deque<usize>>,
+    /// How the worker waited since the last parcel.
+    pub(super) waits: Vec<Wait>,
+    /// How long the tasks that the worker waited for were on their way.
+    pub(super) task_latencies: Vec<Duration>,
+    pub(super) steals: usize,
+}
+
+/// One tile's result.
+pub(super) struct Item<O> {
+    pub(super) place: usize,
+    pub(super) start: Instant,
+    pub(super) end: Instant,
+    pub(super) output: O,
+}
+
+/// A worker waited from `start` to `end`.
+#[derive(Clone, Copy)]
+pub(super) struct Wait {
+    pub(super) start: Instant,
+    pub(super) end: Instant,
+    /// For an empty parcel, else for a task.
+    pub(super) deliver: bool,
+}
+
+impl<O> Default for Parcel<O> {
+    fn default() -> Parcel<O> {
+        Parcel {
+            items: vec![],
+            used: 0,
+            finished: false,
+            failure: None,
+            deque: None,
+            waits: vec![],
+            task_latencies: vec![],
+            steals: 0,
+        }
+    }
+}
+
+impl<O> Parcel<O> {
+    /// Makes it ready to be filled again, and keeps its memory.
+    pub(super) fn empty(&mut self) {
+        self.used = 0;
+        self.finished = false;
+        self.failure = None;
+        self.deque = None;
+        self.waits.clear();
+        self.task_latencies.clear();
+        self.steals = 0;
+    }
+}

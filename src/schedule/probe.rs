@@ -1,0 +1,61 @@
+//! What single steps of the protocol cost on this machine, for simulations.
+
+use super::mail::Inbox;
+use super::message::Report;
+use crossbeam_deque::Worker as Deque;
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
+
+/// Seconds to take half of another worker's tiles: in the quieter quarter of `rounds` steals from a deque of 128.
+///
+/// # Panics
+/// If `rounds` is 0.
+pub fn steal_seconds(rounds: usize) -> f64 {
+    let (victim, thief) = (Deque::new_fifo(), Deque::new_fifo());
+    let stealer = victim.stealer();
+    quiet((0..rounds).map(|_| {
+        (0..128).for_each(|place: usize| victim.push(place));
+        let start = Instant::now();
+        std::hint::black_box(stealer.steal_batch_with_limit_and_pop(&thief, usize::MAX).success());
+        let seconds = start.elapsed().as_secs_f64();
+        while victim.pop().is_some() || thief.pop().is_some() {}
+        seconds
+    }))
+}
+
+/// Seconds that a sender spends on waking who waits for its message: in the quieter quarter of `rounds` messages to a parked thread.
+///
+/// # Panics
+/// If `rounds` is 0.
+pub fn wake_seconds(rounds: usize) -> f64 {
+    let inbox: Inbox<()> = Inbox::new();
+    let (told, parked) = mpsc::channel();
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let mut taken = std::collections::VecDeque::new();
+            for _ in 0..rounds {
+                // Before the wait: there is no telling from outside whether it has begun.
+                let _ = told.send(());
+                while taken.is_empty() {
+                    inbox.take(&mut taken, Duration::from_secs(1));
+                }
+                taken.clear();
+            }
+        });
+        quiet((0..rounds).map(|_| {
+            let _ = parked.recv();
+            // Long enough to park, even on a busy machine.
+            std::thread::sleep(Duration::from_micros(200));
+            let start = Instant::now();
+            inbox.post(Report::Lost { worker: 0 });
+            start.elapsed().as_secs_f64()
+        }))
+    })
+}
+
+/// Other processes can only make steps longer.
+fn quiet(samples: impl Iterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<f64> = samples.collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted[sorted.len() / 4]
+}

@@ -1,0 +1,15 @@
+//! What the protocol synchronises with. `model.rs` compiles the same protocol with another version of this file.
+
+pub(super) use std::sync::{Condvar, Mutex, MutexGuard};
+pub(super) use std::thread::{Scope, scope};
+
+use std::{io, thread};
+
+/// Starts a worker thread that ends before `scope` does.
+pub(super) fn spawn<'scope>(
+    scope: &'scope Scope<'scope, '_>,
+    worker: usize,
+    work: impl FnOnce() + Send + 'scope,
+) -> io::Result<()> {
+    thread::Builder::new().name(format!("worker {worker}")).spawn_scoped(scope, work).map(|_| ())
+}

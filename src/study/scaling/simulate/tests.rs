@@ -1,0 +1,104 @@
+//! The simulator where its answer is known.
+
+use super::*;
+use crate::schedule::CostMap;
+use crate::tile::{Order, Tile, tiles};
+
+const FREE: Costs = Costs {
+    prepare: 0.0,
+    send: 0.0,
+    latency: 0.0,
+    collect: 0.0,
+    collect_tile: 0.0,
+    tile: 0.0,
+    steal: 0.0,
+    switch: 0.0,
+    per_byte: 0.0,
+    cores: usize::MAX,
+};
+
+fn schedules() -> impl Iterator<Item = Schedule> {
+    let films = |strategy| FilmMode::ALL.map(|film| Schedule { strategy, film });
+    Strategy::ALL.into_iter().flat_map(films)
+}
+
+/// Every pixel costs one, in tiles of 4x4.
+fn frame(schedule: Schedule, workers: usize, side: u32, costs: &Costs) -> FrameStats {
+    let tiles = tiles(side, side, 4, Order::Hilbert);
+    let plan = Plan::new(schedule.strategy, workers, &tiles, &CostMap::default());
+    let seconds: Vec<f64> = plan.tiles.iter().map(|tile| tile.len() as f64).collect();
+    simulate(schedule, workers, &plan, &seconds, costs)
+}
+
+#[test]
+fn every_tile_runs_once_and_no_worker_does_two_things_at_once() {
+    let costs = Costs { latency: 0.3, send: 0.1, collect: 0.2, steal: 0.1, cores: 1, ..FREE };
+    for schedule in schedules() {
+        for workers in [1, 2, 7, 300] {
+            let stats = frame(schedule, workers, 64, &costs);
+            let mut tiles: Vec<Tile> = stats.spans.iter().map(|span| span.tile).collect();
+            tiles.sort_by_key(|tile| (tile.y, tile.x));
+            tiles.dedup();
+            assert_eq!((tiles.len(), stats.spans.len()), (256, 256), "{schedule:?} {workers}");
+            for worker in 0..workers {
+                let mut own: Vec<&Span> = stats.spans.iter().filter(|s| s.worker == worker).collect();
+                own.sort_by(|a, b| a.start.total_cmp(&b.start));
+                assert!(own.windows(2).all(|pair| pair[0].end <= pair[1].start + 1e-9), "{schedule:?}");
+            }
+            assert!(stats.spans.iter().all(|span| span.end <= stats.seconds + 1e-9));
+        }
+    }
+}
+
+#[test]
+fn where_nothing_costs_anything_equal_tiles_are_shared_evenly() {
+    for schedule in schedules() {
+        for workers in [1, 2, 4, 16, 256] {
+            let stats = frame(schedule, workers, 64, &FREE);
+            let ideal = 64.0 * 64.0 / workers as f64;
+            assert!((stats.seconds - ideal).abs() < 1e-6, "{schedule:?} {workers}: {}", stats.seconds);
+        }
+    }
+}
+
+#[test]
+fn one_dear_tile_is_the_bound_that_stealing_reaches_and_static_does_not() {
+    let tiles = tiles(64, 64, 4, Order::Hilbert);
+    let seconds: Vec<f64> = (0..256).map(|i| if i < 64 { 4.0 } else { 1.0 }).collect();
+    let time = |strategy| {
+        let schedule = Schedule { strategy, film: FilmMode::Shared };
+        let plan = Plan::new(strategy, 4, &tiles, &CostMap::default());
+        simulate(schedule, 4, &plan, &seconds, &FREE).seconds
+    };
+    // 448 in all; the first quarter of them takes 256.
+    assert!((time(Strategy::Static) - 256.0).abs() < 1e-6);
+    assert!(time(Strategy::Stealing) <= 112.0 + 4.0);
+    assert!(time(Strategy::Dynamic) <= 112.0 + 4.0);
+}
+
+#[test]
+fn by_hand_dynamic_pays_a_round_trip_for_each_tile_and_overlap_does_not() {
+    let costs = Costs { latency: 1.0, ..FREE };
+    let time = |strategy, film| frame(Schedule { strategy, film }, 1, 16, &costs).seconds;
+    // 16 tiles of 16: the way to the worker, the tiles, the way to the master after each, and back between them.
+    for film in FilmMode::ALL {
+        assert!((time(Strategy::Dynamic, film) - (1.0 + 256.0 + 16.0 + 15.0)).abs() < 1e-6);
+        // The task is there, but the parcel has to come back: blocking is not what overlap overlaps.
+        assert!((time(Strategy::Overlap, film) - (1.0 + 256.0 + 16.0 + 15.0)).abs() < 1e-6);
+        assert!((time(Strategy::NonBlocking, film) - (1.0 + 256.0 + 1.0)).abs() < 1e-6);
+        assert!((time(Strategy::Stealing, film) - (1.0 + 256.0 + 1.0)).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn a_master_that_copies_for_too_long_holds_everybody_up() {
+    let costs = Costs { per_byte: 1.0, ..FREE };
+    let bytes = 64.0 * 64.0 * 12.0;
+    for schedule in schedules() {
+        let seconds = frame(schedule, 16, 64, &costs).seconds;
+        match schedule.film {
+            FilmMode::Messages => assert!(seconds >= bytes, "{schedule:?} {seconds}"),
+            FilmMode::Shared => assert!(seconds < 300.0, "{schedule:?} {seconds}"),
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! `irt scaling`.
+
+use super::Folder;
+use serde_json::Value;
+use std::fs;
+
+const SMALL: &str = "scaling atrium@0.1 --size 64x48 --tile 16 --rounds 2";
+
+fn rows(text: &str) -> Vec<Value> {
+    serde_json::from_str::<Value>(text).unwrap().as_array().unwrap().clone()
+}
+
+#[test]
+fn scaling_exports_the_documented_json_and_marks_what_is_simulated() {
+    let folder = Folder::new();
+    let rows = rows(&folder.run(&format!("{SMALL} --workers 1,1000 --export-json -")));
+    // Eight strategies, two film modes, two numbers of workers.
+    assert_eq!(rows.len(), 8 * 2 * 2);
+    for row in &rows {
+        assert_eq!(row["scene"], "atrium");
+        let number = |key: &str| row[key].as_f64().unwrap_or_else(|| panic!("{key} in {row}"));
+        assert!(number("fps") > 0.0 && number("efficiency") > 0.0);
+        assert!(row["strategy"].is_string() && row["film"].is_string());
+        let workers = row["workers"].as_u64().unwrap();
+        assert_eq!(row["simulated"], workers == 1000, "{row}");
+        assert_eq!(row["idle"].as_array().unwrap().len() as u64, workers);
+        // The built-in scene is none of the thesis'.
+        assert!(row["thesis_fps"].is_null() && row["thesis_efficiency"].is_null());
+        assert_eq!(row["predicted_efficiency"].is_null(), workers == 1000);
+        if workers == 1 {
+            assert_eq!(number("efficiency"), 1.0);
+        } else {
+            // 12 tiles, cut to 16x16 at least, are all the work there is.
+            assert!(number("efficiency") <= 0.013, "{row}");
+        }
+    }
+}
+
+#[test]
+fn scaling_tells_tables_and_writes_pictures() {
+    let folder = Folder::new();
+    let text = folder.run(&format!(
+        "{SMALL} --workers 1,1024 --strategies dynamic,stealing --films shared --pictures p --export-csv a.csv"
+    ));
+    for word in
+        ["atrium, shared", "dynamic", "stealing", "1024 *", "simulated", "limited by", "us per empty tile"]
+    {
+        assert!(text.contains(word), "{word} in {text}");
+    }
+    for strategy in ["dynamic", "stealing"] {
+        for run in ["1", "1024-simulated"] {
+            let read = |ending: &str| {
+                fs::read(folder.path().join(format!("p/atrium-{strategy}-shared-{run}.{ending}"))).unwrap()
+            };
+            assert!(read("svg").starts_with(b"<svg"));
+            assert!(read("png").starts_with(b"\x89PNG"));
+            let trace: Value = serde_json::from_slice(&read("trace.json")).unwrap();
+            assert!(trace.as_array().unwrap().iter().all(|event| event["ph"] == "X"));
+        }
+    }
+    assert!(
+        fs::read_to_string(folder.path().join("a.csv")).unwrap().starts_with("scene,strategy,film,workers,")
+    );
+}
+
+#[test]
+fn scaling_compares_sizes_of_tiles() {
+    let folder = Folder::new();
+    let rows = rows(&folder.run(&format!("{SMALL} --tiles --workers 1,1000 --export-json -")));
+    assert_eq!(rows.len(), 3 * 2, "sides 16, 32 and 64 by two numbers of workers");
+    for workers in [1, 1000] {
+        let group: Vec<&Value> = rows.iter().filter(|row| row["workers"] == workers).collect();
+        assert_eq!(group.iter().filter(|row| row["best"] == true).count(), 1);
+        assert!(group.iter().filter(|row| row["by_rule"] == true).count() <= 1);
+        assert!(group.iter().all(|row| row["simulated"] == (workers == 1000)));
+    }
+}
+
+#[test]
+fn mistakes_are_told_by_flag() {
+    let folder = Folder::new();
+    for (flags, named) in [
+        ("--workers 0", "--workers"),
+        ("--workers 1025", "--workers"),
+        ("--strategies eager", "--strategies"),
+        ("--films paper", "--films"),
+        ("--network 10", "--network"),
+        ("--network 0,10", "--network"),
+        ("--rounds 0", "--rounds"),
+        ("--tiles --pictures p", "--tiles"),
+    ] {
+        let message = folder.fail(&format!("scaling {flags}"), 2);
+        assert!(message.starts_with(&format!("{named}: ")), "{flags}: {message}");
+        assert_eq!(folder.names(), [""; 0], "{flags}");
+    }
+}

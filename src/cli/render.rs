@@ -14,7 +14,7 @@ use crate::{
     render::{FrameReport, RenderOptions, Rendered, render},
     report::{BuildSummary, FrameSummary, RayCounts, StageSeconds, Summary, WorkerSummary, to_json},
     scene::{Scene, load},
-    schedule::Control,
+    schedule::{Control, Machine, Placement},
 };
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -58,6 +58,8 @@ pub(super) fn run(args: &RenderArgs, talk: Talk) -> Result<()> {
 }
 
 fn render_with_progress(scene: &Scene, options: &RenderOptions, talk: Talk) -> Result<Rendered> {
+    let placement = Placement::new(Machine::get(), options.threads, options.pin);
+    placement.notes().iter().for_each(|note| log::warn!("{note}"));
     let bar = Progress::new(options.frames, talk);
     let tick = |frame: crate::schedule::Progress| bar.tick(frame.total as u64 * u64::from(options.frames));
     render(scene, options, &Control::new(interrupt::flag(), &tick))

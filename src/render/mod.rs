@@ -128,7 +128,6 @@ pub fn render(scene: &Scene, options: &RenderOptions, control: &Control) -> Resu
     scene.check()?;
     // The machine is enumerated and the tree built before any thread is pinned: pins are inherited.
     let placement = Placement::new(Machine::get(), options.threads, options.pin);
-    placement.notes().iter().for_each(|note| log::warn!("{note}"));
     let start = Instant::now();
     let bvh = Bvh::build(&scene.mesh, options.build)?;
     let table = SurfaceTable::new(scene);

@@ -173,7 +173,12 @@ fn set_up<S: Simd, V: Policy>(s: S, block: &TriBlock, state: &mut State, lanes: 
         permanent = permanent + (plus.abs() + minus.abs());
     }
     let (edge_doubt, depth_doubt) = if V::EXACT {
-        (F8::splat(s, EDGE) * size * span + tiny, F8::splat(s, HALF) * size * permanent + tiny)
+        // Where products may overflow, everything is in doubt. Written so that NaN is, too.
+        let most = F8::splat(s, f32::MAX / 16.0);
+        let sound = (size * span).lt(most) & (size * permanent).lt(most);
+        let infinity = F8::splat(s, f32::INFINITY);
+        let (edge, depth) = (F8::splat(s, EDGE) * size * span, F8::splat(s, HALF) * size * permanent);
+        (sound.select(edge + tiny, infinity), sound.select(depth + tiny, infinity))
     } else {
         (zero, zero)
     };

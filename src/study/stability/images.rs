@@ -149,6 +149,7 @@ fn singles(setup: &Setup) -> Vec<RenderOptions> {
     }
     all.extend(TILES.map(|tile| RenderOptions { tile, ..base }));
     all.extend(BuildPreset::ALL.map(|build| RenderOptions { build, ..base }));
+    all.push(RenderOptions { early: EarlyTermination::NONE, kernel: KernelChoice::Tile, ..base });
     all
 }
 

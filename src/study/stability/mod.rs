@@ -69,7 +69,7 @@ impl StabilityOptions {
     /// The large battery: more than 10^8 aimed rays.
     pub const FULL: Amounts = Amounts { rays: 100_000_000, meshes: 30_000, spawned: 30_000_000, images: 300 };
     /// The small one, for every change.
-    pub const QUICK: Amounts = Amounts { rays: 2_000_000, meshes: 600, spawned: 600_000, images: 40 };
+    pub const QUICK: Amounts = Amounts { rays: 2_000_000, meshes: 600, spawned: 600_000, images: 100 };
 }
 
 /// How much of everything.

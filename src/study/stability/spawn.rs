@@ -224,6 +224,12 @@ impl State {
         let cell = &mut spawn.cells[at];
         cell.rays += batch.rays().len() as u64;
         cell.offset.merge(offset);
+        if answers.blocked.is_empty() {
+            // The source itself is lost.
+            (cell.rays, cell.lost) = (cell.rays + RAYS as u64, cell.lost + RAYS as u64);
+            let Place { center, radius } = cell.place;
+            spawn.first.note(number, || format!("size {radius:e} at {center}: the source is missed"));
+        }
         for (i, &blocked) in answers.blocked.iter().enumerate() {
             let prim = answers.hits.get(i).map(|hit| hit.prim);
             let own = prim == Some(SOURCE);
@@ -297,10 +303,14 @@ impl Scene {
         a + u * (b - a) + v * (c - a)
     }
 
-    /// Rays from where first rays meet the source, or from the light to there.
+    /// Rays from where first rays meet the source, or from the light to there; none if hardly any meets it.
     fn spawn(&self, source: &Traversal, light: Option<Vec3>, random: &mut Random) -> Vec<Ray> {
         let (mut u, mut v, mut points) = (Vec::new(), Vec::new(), Vec::new());
+        let mut tries = 0..4 * RAYS;
         while points.len() < RAYS {
+            if tries.next().is_none() {
+                return Vec::new();
+            }
             let org = self.point(random, -3.0, -0.1);
             let Some(dir) = direction(self.on_source(random) - org, Form::Normalised) else { continue };
             let first = Ray { org: org.to_array(), dir, tnear: 0.0, tfar: f32::INFINITY, skip: MISS };

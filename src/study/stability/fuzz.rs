@@ -29,7 +29,7 @@ use glam::Vec3;
 /// Rays of a mesh.
 const RAYS: usize = 256;
 /// Those that the oracle judges.
-const JUDGED: usize = 8;
+const JUDGED: usize = 16;
 
 /// What became of one family of meshes.
 #[derive(Clone, Debug)]
@@ -262,8 +262,9 @@ fn limit(random: &mut Random, mesh: &TriangleMesh, ray: &mut Ray, slopes: bool) 
     if random.below(4) == 0 && !mesh.is_empty() {
         ray.skip = random.below(mesh.len()) as u32;
     }
-    let Some(prim) = (!mesh.is_empty()).then(|| random.below(mesh.len())) else { return };
-    let met = oracle::depth_of(mesh.corners(prim), ray);
+    // Few triangles of a large mesh lie on the ray's way.
+    let tries = if mesh.is_empty() { 0 } else { 16 };
+    let met = (0..tries).find_map(|_| oracle::depth_of(mesh.corners(random.below(mesh.len())), ray));
     let Some(t) = met.map(|t| t as f32).filter(|t| t.is_finite() && *t > 0.0) else { return };
     match random.below(8) {
         0 => ray.tfar = t,

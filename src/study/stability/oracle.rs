@@ -112,7 +112,16 @@ fn dot((n, size): ([Double; 3], [f64; 3]), d: [Double; 3]) -> (Double, f64) {
     (value, (0..3).map(|i| size[i] * d[i].abs().to_f64()).sum())
 }
 
+/// The depth of a wall across the axis along which the ray advances by one: a difference of two coordinates, which
+/// every formula must tell exactly, so that a ray may end or begin right there.
+fn wall(corners: [V; 3], d: V) -> Option<f32> {
+    let [a, b, c] = corners;
+    let along = |k: &usize| d[*k].abs() == 1.0 && d.iter().all(|x| x.abs() <= 1.0);
+    (0..3).find(|k| along(k) && a[*k] == b[*k] && b[*k] == c[*k]).map(|k| a[k] * d[k])
+}
+
 fn crossing(corners: [V; 3], d: V) -> Crossing {
+    let wall = wall(corners, d);
     let [a, b, c] = corners.map(|v| v.map(Double::from));
     let d = d.map(Double::from);
     let minus = |p: [Double; 3], q: [Double; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
@@ -124,6 +133,7 @@ fn crossing(corners: [V; 3], d: V) -> Crossing {
     let steep = nd.abs().to_f64();
     let unit = 16.0 * f64::EPSILON;
     let error = unit * (na_size / steep + t.abs().to_f64() * (nd_size / steep + 1.0));
+    let (t, error) = wall.map_or((t, error), |depth| (Double::from(depth), 0.0));
     let weight_error = unit * (cad_size.max(abd_size) / steep + nd_size / steep);
     Crossing { t, u, v, error, weight_error }
 }
@@ -200,6 +210,19 @@ mod tests {
         assert_eq!(met(triangle().map(|p| p.to_array()), [0.5, 0.5, 3.0]), Met::Maybe);
         assert_eq!(met(triangle().map(|p| p.to_array()), [0.5, 0.5f32.next_up(), 3.0]), Met::No);
         assert_eq!(met(triangle().map(|p| p.to_array()), [0.5, 0.5f32.next_down(), 3.0]), Met::Yes);
+    }
+
+    #[test]
+    fn ends_of_rays_are_inside_and_what_is_beyond_them_is_not() {
+        let mesh = super::super::mesh::mesh_of(&[triangle()]);
+        let ray = ray([0.0625, 0.125, 1.0]);
+        let hit = Hit { prim: 0, t: 3.0, u: 0.1875, v: 0.375 };
+        let fault = |tnear: f32, tfar: f32, hit: Hit| judge(&mesh, &Ray { tnear, tfar, ..ray }, &hit).fault;
+        assert_eq!(fault(3.0, 3.0, hit), None);
+        assert_eq!(fault(3.0, f32::INFINITY, Hit::MISS), Some(Fault::Missed));
+        assert_eq!(fault(0.0, 3.0, Hit::MISS), Some(Fault::Missed));
+        assert_eq!(fault(0.0, 3.0f32.next_down(), hit), Some(Fault::Imagined));
+        assert_eq!(fault(3.0f32.next_up(), f32::INFINITY, hit), Some(Fault::Imagined));
     }
 
     #[test]

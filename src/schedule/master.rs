@@ -132,6 +132,7 @@ impl<T: TileTask> Master<T> {
             stats,
             failure: control.cancelled().then_some(Error::Interrupted),
             done: 0,
+            waits: Vec::new(),
         };
         if running.failure.is_none() {
             self.deal_first(&workers, &shared, &mut running);
@@ -273,7 +274,7 @@ impl<T: TileTask> Master<T> {
         if running.done != self.plan.tiles.len() {
             return Err(lost_worker());
         }
-        running.stats.sum_up();
+        running.sum_up();
         self.costs.reset(&self.plan.tiles);
         running.stats.spans.iter().for_each(|span| self.costs.record(span.tile, span.end - span.start));
         Ok((shared.frame, running.stats))

@@ -4,11 +4,11 @@ use super::frame::Running;
 use super::mail::{Desk, Inbox};
 use super::message::{Parcel, Report, Shared, Task, Work};
 use super::pin::{Pinned, Placement, refusals};
-use super::plan::{Dealer, Plan};
 use super::sync::{scope, spawn};
 use super::worker::work;
 use super::{
-    Control, CostMap, FilmMode, FrameStats, Messages, Progress, Schedule, Strategy, TileTask, WorkerStats,
+    Control, CostMap, Dealer, FilmMode, FrameStats, Messages, Plan, Progress, Schedule, Strategy, TileTask,
+    WorkerStats,
 };
 use crate::error::{Error, Result};
 use crate::tile::Tile;
@@ -20,9 +20,6 @@ use std::time::{Duration, Instant};
 
 /// The cancel flag is looked at this often while no report comes.
 const LONGEST_WAIT: Duration = Duration::from_millis(20);
-/// Parcels of a worker that does not wait until its results are taken. More would only be more memory: a master that
-/// is so far behind does not catch up.
-const PARCELS: usize = 8;
 
 /// Deals the tiles of frames to the workers. Exists only inside [`with_workers`].
 pub struct Master<T: TileTask> {
@@ -132,7 +129,7 @@ impl<T: TileTask> Master<T> {
             stats,
             failure: control.cancelled().then_some(Error::Interrupted),
             done: 0,
-            waits: Vec::new(),
+            pauses: Vec::new(),
         };
         if running.failure.is_none() {
             self.deal_first(&workers, &shared, &mut running);
@@ -146,8 +143,7 @@ impl<T: TileTask> Master<T> {
 
     /// What the workers will see of the frame; stocks their desks.
     fn share(&mut self, schedule: Schedule, frame: T::Frame) -> Arc<Shared<T::Frame>> {
-        let parcels = if schedule.strategy.blocks() { 1 } else { PARCELS };
-        self.desks.iter().for_each(|desk| desk.stock(parcels));
+        self.desks.iter().for_each(|desk| desk.stock(schedule.strategy.parcels()));
         let stealers: Vec<Stealer<usize>> =
             self.deques.iter_mut().map(|deque| deque.get_or_insert_with(Deque::new_fifo).stealer()).collect();
         Arc::new(Shared {
@@ -166,10 +162,9 @@ impl<T: TileTask> Master<T> {
         if stealing {
             // All deques are filled before anybody looks into them; who owns nothing may steal.
             for (&worker, run) in workers.iter().zip(&runs) {
-                let deque = self.deques[worker].as_ref();
-                run.iter()
-                    .flat_map(|run| run.places())
-                    .for_each(|i| deque.into_iter().for_each(|d| d.push(i)));
+                if let (Some(run), Some(deque)) = (run, &self.deques[worker]) {
+                    run.places().for_each(|place| deque.push(place));
+                }
             }
         }
         for (&worker, run) in workers.iter().zip(runs) {
@@ -243,12 +238,12 @@ impl<T: TileTask> Master<T> {
                 }
             }
             if running.failure.is_some() {
-                shared.stop.store(true, Ordering::Relaxed);
+                self.stop();
             }
         }
-        if let (Some(shared), true) = (&self.shared, control.cancelled()) {
+        if control.cancelled() {
             running.fail(Error::Interrupted);
-            shared.stop.store(true, Ordering::Relaxed);
+            self.stop();
         }
     }
 
@@ -274,7 +269,7 @@ impl<T: TileTask> Master<T> {
         if running.done != self.plan.tiles.len() {
             return Err(lost_worker());
         }
-        running.sum_up();
+        running.stats.sum_up(&running.pauses);
         self.costs.reset(&self.plan.tiles);
         running.stats.spans.iter().for_each(|span| self.costs.record(span.tile, span.end - span.start));
         Ok((shared.frame, running.stats))
@@ -282,9 +277,7 @@ impl<T: TileTask> Master<T> {
 
     /// Collects what a frame left due whose `collect` or progress callback panicked.
     fn settle(&mut self) {
-        if let Some(shared) = &self.shared {
-            shared.stop.store(true, Ordering::Relaxed);
-        }
+        self.stop();
         for (desk, _) in self.desks.iter().zip(&self.due).filter(|(_, due)| due.is_some_and(|due| due > 0)) {
             // In place of the one that was lost in the panic.
             desk.lay(Some(Box::default()), None);
@@ -314,6 +307,10 @@ impl<T: TileTask> Master<T> {
     fn lose(&mut self, worker: usize) {
         self.due[worker] = None;
         self.desks[worker].clear();
+    }
+
+    /// No further tile of the frame under way is begun.
+    fn stop(&self) {
         if let Some(shared) = &self.shared {
             shared.stop.store(true, Ordering::Relaxed);
         }
@@ -353,9 +350,7 @@ impl<T: TileTask> Master<T> {
 /// Wherever the master goes, its workers must not wait for it.
 impl<T: TileTask> Drop for Master<T> {
     fn drop(&mut self) {
-        if let Some(shared) = &self.shared {
-            shared.stop.store(true, Ordering::Relaxed);
-        }
+        self.stop();
         self.desks.iter().for_each(|desk| desk.close());
     }
 }

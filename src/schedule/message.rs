@@ -1,7 +1,7 @@
 //! The messages between master and workers.
 
+use super::Run;
 use super::pin::Pinned;
-use super::plan::Run;
 use crate::tile::Tile;
 use crossbeam_deque::{Stealer, Worker as Deque};
 use std::sync::Arc;

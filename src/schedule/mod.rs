@@ -4,6 +4,7 @@
 
 mod control;
 mod costs;
+mod deal;
 mod frame;
 mod mail;
 mod master;
@@ -24,11 +25,12 @@ mod tests;
 
 pub use control::{Control, Progress};
 pub use costs::CostMap;
+pub use deal::{Dealer, Run};
 pub use master::{Master, with_workers};
 pub use pin::{Machine, Pinned, Placement, pin_current_thread, refusals};
-pub use plan::{Dealer, Plan, Run};
+pub use plan::Plan;
 pub use probe::{steal_seconds, wake_seconds};
-pub use stats::{FrameStats, Idle, Messages, Span, WorkerStats};
+pub use stats::{FrameStats, Idle, Messages, Pause, Span, WorkerStats};
 pub use strategy::{FilmMode, Schedule, Strategy};
 pub use topology::Topology;
 

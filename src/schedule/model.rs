@@ -33,8 +33,8 @@ mod sync {
 
 // What the protocol's files take from the module above them.
 use super::{
-    Control, CostMap, FilmMode, FrameStats, Messages, Progress, Schedule, Span, Strategy, TileTask,
-    WorkerStats, pin, plan,
+    Control, CostMap, Dealer, FilmMode, FrameStats, Messages, Pause, Plan, Progress, Run, Schedule, Span,
+    Strategy, TileTask, WorkerStats, pin,
 };
 
 use super::{Machine, Placement, Topology};
@@ -73,21 +73,19 @@ impl TileTask for Model {
 
 /// Tries `body` with `workers` workers for every strategy and film mode.
 fn explore(workers: usize, panic_at: Option<(u32, u32)>, body: fn(&mut Master<Model>, Schedule)) {
-    for strategy in Strategy::ALL {
-        for film in FilmMode::ALL {
-            let run = move || {
-                let task = Model { panic_at, gate: shuttle::sync::Mutex::new(()) };
-                let machine = Machine::new(&Topology::flat(&[]), 1);
-                let placement = Placement::new(&machine, Some(workers), false);
-                with_workers(&task, &placement, |master| {
-                    body(master, Schedule { strategy, film });
-                    Ok(())
-                })
-                .unwrap();
-            };
-            shuttle::check_random(run, TRIES);
-            shuttle::check_pct(run, TRIES, 3);
-        }
+    for schedule in Schedule::all() {
+        let run = move || {
+            let task = Model { panic_at, gate: shuttle::sync::Mutex::new(()) };
+            let machine = Machine::new(&Topology::flat(&[]), 1);
+            let placement = Placement::new(&machine, Some(workers), false);
+            with_workers(&task, &placement, |master| {
+                body(master, schedule);
+                Ok(())
+            })
+            .unwrap();
+        };
+        shuttle::check_random(run, TRIES);
+        shuttle::check_pct(run, TRIES, 3);
     }
 }
 

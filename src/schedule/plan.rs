@@ -1,4 +1,4 @@
-//! Which tiles a frame really consists of, and in which tasks they are dealt. Pure: the simulator uses the same.
+//! Which tiles a frame really consists of, and in which order. Pure: the simulator uses the same.
 
 use super::{CostMap, Strategy};
 use crate::tile::Tile;
@@ -7,8 +7,6 @@ use crate::tile::Tile;
 const SMALLEST: u32 = 16;
 /// Refinement cuts a tile that is more than the rest of the frame divided by this and the number of workers.
 const REST_PER_TILE: f64 = 2.0;
-/// A task of a strategy that shrinks them is the rest of the frame divided by this and the number of workers.
-const REST_PER_TASK: f64 = 3.0;
 /// A stealing worker's tile is at most the rest of its range divided by this, ...
 const REST_PER_STOLEN: f64 = 2.0;
 /// ... and at most a worker's share of the frame divided by this, ...
@@ -32,16 +30,16 @@ pub struct Plan {
     /// Disjoint, and together the frame.
     pub tiles: Vec<Tile>,
     /// One per tile, in any unit.
-    weights: Vec<f64>,
+    pub(super) weights: Vec<f64>,
     /// Of a stealing strategy, where each worker's range begins, and the end.
-    bounds: Vec<usize>,
+    pub(super) bounds: Vec<usize>,
     /// No task need weigh less.
-    least: f64,
+    pub(super) least: f64,
 }
 
 impl Plan {
     /// The plan of a frame of `tiles` for `workers` workers. `costs` is what the last frame took; where it does not
-    /// cover the tiles, cost-guided takes all pixels to be alike, and so does what refinement does.
+    /// cover the tiles, all pixels are taken to be alike, and cost-guided does what refinement does.
     pub fn new(strategy: Strategy, workers: usize, tiles: &[Tile], costs: &CostMap) -> Plan {
         let mut plan = Plan::default();
         plan.fill(strategy, workers, tiles, costs);
@@ -171,80 +169,9 @@ fn half(side: u32) -> u32 {
     if side < 2 * SMALLEST { side } else { (side / 2).next_multiple_of(SMALLEST) }
 }
 
-/// Some tiles of a plan: `first`, `first + step`, ... below `end`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Run {
-    /// The first one.
-    pub first: usize,
-    /// Behind the last one.
-    pub end: usize,
-    /// Distance between two, >= 1.
-    pub step: usize,
-}
-
-impl Run {
-    /// The tiles' places in the plan.
-    pub fn places(self) -> impl Iterator<Item = usize> {
-        (self.first..self.end).step_by(self.step)
-    }
-}
-
-/// Deals the tasks of a plan.
-#[derive(Debug)]
-pub struct Dealer {
-    strategy: Strategy,
-    workers: usize,
-    tiles: usize,
-    next: usize,
-    /// Weight of the tiles not dealt.
-    rest: f64,
-}
-
-impl Dealer {
-    /// Nothing is dealt yet.
-    pub fn new(strategy: Strategy, workers: usize, plan: &Plan) -> Dealer {
-        let rest: f64 = plan.weights.iter().sum();
-        Dealer { strategy, workers, tiles: plan.tiles.len(), next: 0, rest }
-    }
-
-    /// What `worker` starts with: of a stealing strategy the range that it owns. Call it once for each worker, in
-    /// order; `None` if there is nothing for it.
-    pub fn first(&mut self, worker: usize, plan: &Plan) -> Option<Run> {
-        let run = match self.strategy {
-            Strategy::Static => {
-                let place = |i: usize| i * self.tiles / self.workers;
-                Run { first: place(worker), end: place(worker + 1), step: 1 }
-            }
-            Strategy::Stealing => Run { first: plan.bounds[worker], end: plan.bounds[worker + 1], step: 1 },
-            Strategy::StaticCyclic => Run { first: worker, end: self.tiles, step: self.workers },
-            _ => return self.next(plan),
-        };
-        (run.first < run.end).then_some(run)
-    }
-
-    /// What a worker gets next; `None` if all is dealt.
-    pub fn next(&mut self, plan: &Plan) -> Option<Run> {
-        let dealt_at_first = [Strategy::Static, Strategy::StaticCyclic, Strategy::Stealing];
-        if self.next >= self.tiles || dealt_at_first.contains(&self.strategy) {
-            return None;
-        }
-        let first = self.next;
-        self.next += 1;
-        if self.strategy.shrinks() {
-            let share = (self.rest / (REST_PER_TASK * self.workers as f64)).max(plan.least);
-            let mut sum = plan.weights[first];
-            while self.next < self.tiles && sum + plan.weights[self.next] <= share {
-                sum += plan.weights[self.next];
-                self.next += 1;
-            }
-            self.rest -= sum;
-        }
-        Some(Run { first, end: self.next, step: 1 })
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::{Dealer, Run};
     use super::*;
     use crate::tile::{Order, tiles};
 
@@ -286,6 +213,21 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn static_strategies_deal_regions_or_every_nth_tile() {
+        let base = tiles(256, 256, 64, Order::Hilbert);
+        let dealt = |strategy| {
+            let plan = Plan::new(strategy, 3, &base, &CostMap::default());
+            let mut dealer = Dealer::new(strategy, 3, &plan);
+            [0, 1, 2].map(|worker| {
+                let Run { first, end, step } = dealer.first(worker, &plan).unwrap();
+                [first, end, step]
+            })
+        };
+        assert_eq!(dealt(Strategy::Static), [[0, 5, 1], [5, 10, 1], [10, 16, 1]]);
+        assert_eq!(dealt(Strategy::StaticCyclic), [[0, 16, 3], [1, 16, 3], [2, 16, 3]]);
     }
 
     #[test]

@@ -17,6 +17,19 @@ pub struct Span {
     pub end: f64,
 }
 
+/// A worker waited for the master, in seconds from the start of the frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pause {
+    /// Who waited.
+    pub worker: usize,
+    /// Since when.
+    pub start: f64,
+    /// Until when.
+    pub end: f64,
+    /// Until its results were taken, else for a task.
+    pub deliver: bool,
+}
+
 /// Why a worker was not on a tile, in seconds. What is missing to the whole frame is the scheduler's own work.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Idle {
@@ -96,8 +109,9 @@ pub struct FrameStats {
 }
 
 impl FrameStats {
-    /// Busy seconds, idle seconds at the start and at the tail, from the spans.
-    pub fn sum_up(&mut self) {
+    /// Sums up what the workers did, from the spans and these pauses. A pause counts between the first tile of a worker
+    /// and its last: before lies its start, behind its tail.
+    pub fn sum_up(&mut self, pauses: &[Pause]) {
         let mut first = vec![f64::INFINITY; self.workers.len()];
         let mut last = vec![0.0f64; self.workers.len()];
         for span in &self.spans {
@@ -116,5 +130,58 @@ impl FrameStats {
             worker.idle.start = first[i];
             worker.idle.tail = (self.seconds - last[i]).max(0.0);
         }
+        for &Pause { worker, start, end, deliver } in pauses {
+            let idle = &mut self.workers[worker].idle;
+            if start >= first[worker] && end <= last[worker] {
+                *(if deliver { &mut idle.deliver } else { &mut idle.work }) += end - start;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_moment_of_a_worker_has_one_cause() {
+        let mut stats = FrameStats {
+            seconds: 10.0,
+            workers: vec![WorkerStats::new(Pinned::Free); 2],
+            spans: [(1.0, 3.0), (4.0, 6.0)]
+                .map(|(start, end)| Span {
+                    worker: 0,
+                    tile: Tile { x: 0, y: 0, width: 1, height: 1 },
+                    start,
+                    end,
+                })
+                .to_vec(),
+            tasks: Messages::default(),
+            reports: Messages::default(),
+        };
+        // Before the first tile, between the two, and behind the last one.
+        let pauses = [
+            (0, 0.0, 1.0, false),
+            (0, 3.0, 3.25, true),
+            (0, 3.25, 4.0, false),
+            (0, 6.0, 8.0, false),
+            (1, 0.0, 9.0, false),
+        ]
+        .map(|(worker, start, end, deliver)| Pause { worker, start, end, deliver });
+        stats.sum_up(&pauses);
+        let [busy, lazy] = [&stats.workers[0], &stats.workers[1]];
+        assert_eq!((busy.busy_seconds, busy.tiles), (4.0, 2));
+        assert_eq!(busy.idle, Idle { start: 1.0, work: 0.75, deliver: 0.25, tail: 4.0 });
+        assert_eq!((lazy.busy_seconds, lazy.tiles), (0.0, 0));
+        assert_eq!(lazy.idle, Idle { start: 10.0, ..Idle::default() });
+    }
+
+    #[test]
+    fn the_latency_is_the_mean_of_the_awaited_messages() {
+        let mut messages = Messages { count: 5, ..Messages::default() };
+        assert_eq!(messages.latency(), 0.0);
+        messages.arrived(Duration::from_secs(1));
+        messages.arrived(Duration::from_secs(4));
+        assert_eq!((messages.awaited, messages.latency(), messages.latency_max), (2, 2.5, 4.0));
     }
 }

@@ -61,9 +61,13 @@ impl Strategy {
         }
     }
 
-    /// True if a worker waits until the master has taken a result before it goes on.
-    pub fn blocks(self) -> bool {
-        matches!(self, Strategy::Static | Strategy::StaticCyclic | Strategy::Dynamic | Strategy::Overlap)
+    /// Parcels that a worker has for its results. With one it waits until the master has taken them before it goes on.
+    /// More than eight would only be more memory: a master that is so far behind does not catch up.
+    pub fn parcels(self) -> usize {
+        match self {
+            Strategy::Static | Strategy::StaticCyclic | Strategy::Dynamic | Strategy::Overlap => 1,
+            Strategy::NonBlocking | Strategy::Refinement | Strategy::Stealing | Strategy::CostGuided => 8,
+        }
     }
 
     /// True if tasks shrink towards the end of the frame.
@@ -102,6 +106,15 @@ pub struct Schedule {
     pub strategy: Strategy,
     /// How pixels reach the film.
     pub film: FilmMode,
+}
+
+impl Schedule {
+    /// Every strategy with every film mode.
+    pub fn all() -> impl Iterator<Item = Schedule> {
+        Strategy::ALL
+            .into_iter()
+            .flat_map(|strategy| FilmMode::ALL.into_iter().map(move |film| Schedule { strategy, film }))
+    }
 }
 
 impl fmt::Display for Strategy {

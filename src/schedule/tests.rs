@@ -19,13 +19,6 @@ fn in_time<R: Send + 'static>(test: impl FnOnce() -> R + Send + 'static) -> R {
     finished.recv_timeout(Duration::from_secs(300)).expect("panicked or hung")
 }
 
-/// Every strategy with every film mode.
-fn schedules() -> impl Iterator<Item = Schedule> {
-    Strategy::ALL
-        .into_iter()
-        .flat_map(|strategy| FilmMode::ALL.into_iter().map(move |film| Schedule { strategy, film }))
-}
-
 /// What a tile does besides being counted.
 #[derive(Clone, Copy)]
 enum Mishap {
@@ -63,7 +56,8 @@ impl Visits {
 /// Makes and drops are counted; not `Send`, as scratch need not be.
 struct Buffer<'a> {
     alive: &'a AtomicUsize,
-    uses: Cell<usize>,
+    /// A tile panicked while it used this.
+    spoilt: Cell<bool>,
 }
 
 impl Drop for Buffer<'_> {
@@ -87,11 +81,12 @@ impl<'a> TileTask for Counting<'a> {
 
     fn scratch(&self, _worker: usize) -> Buffer<'a> {
         self.alive.fetch_add(1, Ordering::SeqCst);
-        Buffer { alive: self.alive, uses: Cell::new(0) }
+        Buffer { alive: self.alive, spoilt: Cell::new(false) }
     }
 
     fn run(&self, frame: &Visits, tile: Tile, scratch: &mut Buffer<'a>, output: &mut usize) {
-        scratch.uses.set(scratch.uses.get() + 1);
+        assert!(!scratch.spoilt.get(), "after a panic there is a new one");
+        scratch.spoilt.set(true);
         match frame.mishap {
             // Wherever the strategy cut.
             Some((x, y, mishap)) if tile.x <= x && x < tile.x + tile.width && tile.y == y => match mishap {
@@ -107,6 +102,7 @@ impl<'a> TileTask for Counting<'a> {
             }
         }
         *output = tile.len();
+        scratch.spoilt.set(false);
     }
 }
 
@@ -144,6 +140,10 @@ fn check_frame(
     assert!(outputs.len() >= tiles.len() && outputs.values().all(|&times| times == 1));
     assert_eq!(stats.workers.iter().map(|w| w.tiles).sum::<usize>(), outputs.len());
     assert_eq!(stats.spans.len(), outputs.len());
+    match schedule.film {
+        FilmMode::Messages => assert!(stats.reports.count >= outputs.len(), "a message for each tile"),
+        FilmMode::Shared => assert!(stats.reports.count >= stats.tasks.count, "a message for each task"),
+    }
     for worker in &stats.workers {
         let Idle { start, work, deliver, tail } = worker.idle;
         assert!([worker.busy_seconds, start, work, deliver, tail].iter().all(|&seconds| seconds >= 0.0));
@@ -157,7 +157,7 @@ fn every_tile_is_run_exactly_once_whatever_the_schedule() {
     in_time(|| {
         for count in [1, 2, 3, 8] {
             with_counting(count, |master| {
-                for schedule in schedules() {
+                for schedule in Schedule::all() {
                     // No tile, one tile, fewer tiles than workers, many.
                     for (width, height, side) in [(0, 0, 8), (1, 1, 8), (20, 10, 8), (100, 50, 8)] {
                         check_frame(master, schedule, [width, height], side);
@@ -174,7 +174,7 @@ fn every_tile_is_run_exactly_once_whatever_the_schedule() {
 fn many_more_workers_than_cores_finish() {
     in_time(|| {
         with_counting(64, |master| {
-            schedules().for_each(|schedule| drop(check_frame(master, schedule, [128, 128], 8)));
+            Schedule::all().for_each(|schedule| drop(check_frame(master, schedule, [128, 128], 8)));
             Ok(())
         })
         .unwrap();
@@ -187,7 +187,7 @@ fn a_panicking_tile_is_named_and_the_next_frame_is_unaffected() {
         with_counting(3, |master| {
             let tiles = tiles(64, 64, 8, Order::Scanline);
             let control = Control::unattended();
-            for schedule in schedules() {
+            for schedule in Schedule::all() {
                 for (mishap, expected) in
                     [(Mishap::Panic, "no tile at 16 24"), (Mishap::Bomb, "a panic without a message")]
                 {
@@ -210,7 +210,7 @@ fn a_panicking_tile_is_named_and_the_next_frame_is_unaffected() {
 #[test]
 fn leaving_right_after_a_panic_stops_the_other_workers() {
     in_time(|| {
-        for schedule in schedules() {
+        for schedule in Schedule::all() {
             let error = with_counting(4, |master| {
                 let frame = Visits::new(640, 640).with(0, 0, Mishap::Panic);
                 let tiles = tiles(640, 640, 8, Order::Scanline);
@@ -227,7 +227,7 @@ fn a_slow_tile_holds_up_only_its_own_worker() {
         with_counting(2, |master| {
             // Static strategies leave the tiles behind a slow one to its worker, whatever happens.
             let asks = |s: &Schedule| !matches!(s.strategy, Strategy::Static | Strategy::StaticCyclic);
-            for schedule in schedules().filter(asks) {
+            for schedule in Schedule::all().filter(asks) {
                 check_frame(master, schedule, [64, 64], 8);
                 let frame = Visits::new(64, 64).with(0, 0, Mishap::Sleep(Duration::from_millis(300)));
                 let tiles = tiles(64, 64, 8, Order::Scanline);
@@ -250,7 +250,7 @@ fn cancelling_ends_the_frame_and_keeps_the_workers() {
     in_time(|| {
         with_counting(4, |master| {
             let tiles = tiles(64, 64, 4, Order::Hilbert);
-            for schedule in schedules() {
+            for schedule in Schedule::all() {
                 let cancel = AtomicBool::new(false);
                 let progress = |p: Progress| cancel.store(p.done >= 10, Ordering::Relaxed);
                 let control = Control::new(&cancel, &progress);
@@ -276,7 +276,7 @@ fn the_flag_is_seen_while_no_report_comes() {
     in_time(|| {
         with_counting(2, |master| {
             for schedule in
-                schedules().filter(|s| matches!(s.strategy, Strategy::Static | Strategy::StaticCyclic))
+                Schedule::all().filter(|s| matches!(s.strategy, Strategy::Static | Strategy::StaticCyclic))
             {
                 let cancel = AtomicBool::new(false);
                 let tiles = tiles(64, 64, 1, Order::Scanline);
@@ -303,7 +303,7 @@ fn the_flag_is_seen_while_no_report_comes() {
 #[test]
 fn progress_counts_every_tile_on_the_masters_thread() {
     in_time(|| {
-        for schedule in schedules() {
+        for schedule in Schedule::all() {
             let (cancel, seen) = (AtomicBool::new(false), Cell::new(0));
             let here = std::thread::current().id();
             let progress = |p: Progress| {
@@ -328,7 +328,7 @@ fn hundreds_of_small_frames_run_on_the_same_workers() {
     in_time(|| {
         with_counting(4, |master| {
             for _ in 0..40 {
-                schedules().for_each(|schedule| drop(check_frame(master, schedule, [4, 4], 1)));
+                Schedule::all().for_each(|schedule| drop(check_frame(master, schedule, [4, 4], 1)));
             }
             Ok(())
         })
@@ -339,7 +339,7 @@ fn hundreds_of_small_frames_run_on_the_same_workers() {
 #[test]
 fn a_panic_while_collecting_is_survived_inside_and_outside_the_body() {
     in_time(|| {
-        for schedule in schedules() {
+        for schedule in Schedule::all() {
             let outside = catch_unwind(|| {
                 with_counting(4, |master| {
                     let tiles = tiles(64, 64, 4, Order::Hilbert);

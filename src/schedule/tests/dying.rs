@@ -1,7 +1,7 @@
 //! Workers that cannot begin, or do not live to the end.
 
 use super::super::*;
-use super::{in_time, schedules, workers};
+use super::{in_time, workers};
 use crate::error::Error;
 use crate::tile::{Order, tiles};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,7 +26,7 @@ fn scratch_that_cannot_be_made_fails_the_first_tile() {
     in_time(|| {
         let text = String::from("no memory");
         let tiles = tiles(8, 8, 8, Order::Hilbert);
-        for schedule in schedules() {
+        for schedule in Schedule::all() {
             let result = with_workers(&NoScratch(&text), &workers(2), |master| {
                 master.run_frame(schedule, (), &tiles, &Control::unattended(), |(), _, ()| {})
             });
@@ -63,7 +63,7 @@ impl TileTask for Deadly {
 #[test]
 fn a_dying_worker_fails_the_frame_and_the_others_go_on() {
     in_time(|| {
-        for schedule in schedules() {
+        for schedule in Schedule::all() {
             DIED.store(false, Ordering::SeqCst);
             with_workers(&Deadly, &workers(3), |master| {
                 let tiles = tiles(64, 64, 8, Order::Hilbert);

@@ -15,13 +15,11 @@
 
 use super::costs::Costs;
 use crate::schedule::{
-    Dealer, FilmMode, FrameStats, Idle, Messages, Pinned, Plan, Schedule, Span, Strategy, WorkerStats,
+    Dealer, FilmMode, FrameStats, Idle, Messages, Pause, Pinned, Plan, Run, Schedule, Span, Strategy,
+    WorkerStats,
 };
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
-
-/// Parcels of a worker that does not wait until its results are taken, as in the scheduler.
-const PARCELS: usize = 8;
 
 /// Predicts one frame. `seconds` are the costs of the plan's tiles, in its order.
 ///
@@ -35,7 +33,7 @@ pub fn simulate(
     costs: &Costs,
 ) -> FrameStats {
     assert!(workers > 0 && seconds.len() == plan.tiles.len(), "a cost for every tile, and a worker");
-    let mut run = Run::new(schedule, workers, plan, seconds, costs);
+    let mut run = Simulation::new(schedule, workers, plan, seconds, costs);
     run.deal_first();
     while let Some(Reverse(event)) = run.events.pop() {
         match event.what {
@@ -77,24 +75,11 @@ struct Report {
     finished: bool,
 }
 
-/// Tiles `first`, `first + step`, ... below `end` that a worker has before it.
-#[derive(Clone, Copy)]
-struct Rest {
-    first: usize,
-    end: usize,
-    step: usize,
-}
-
-impl Rest {
-    fn len(self) -> usize {
-        self.end.saturating_sub(self.first).div_ceil(self.step)
-    }
-}
-
 #[derive(Default)]
 struct Worker {
-    task: Option<Rest>,
-    waiting: VecDeque<Rest>,
+    /// What is left of the task it is on.
+    task: Option<Run>,
+    waiting: VecDeque<Run>,
     parcels: usize,
     /// Since when, and for what it waits; it has no event then.
     waits: Option<(f64, bool)>,
@@ -102,12 +87,10 @@ struct Worker {
     filled: (usize, usize),
     /// Time that the master took from it.
     debt: f64,
-    stats: Idle,
     steals: usize,
-    begun: bool,
 }
 
-struct Run<'a> {
+struct Simulation<'a> {
     schedule: Schedule,
     plan: &'a Plan,
     seconds: &'a [f64],
@@ -119,21 +102,22 @@ struct Run<'a> {
     master_free: f64,
     end: f64,
     spans: Vec<Span>,
+    pauses: Vec<Pause>,
     tasks: Messages,
     reports: Messages,
 }
 
-impl<'a> Run<'a> {
+impl<'a> Simulation<'a> {
     fn new(
         schedule: Schedule,
         workers: usize,
         plan: &'a Plan,
         seconds: &'a [f64],
         costs: &'a Costs,
-    ) -> Run<'a> {
-        let parcels = if schedule.strategy.blocks() { 1 } else { PARCELS };
+    ) -> Simulation<'a> {
+        let parcels = schedule.strategy.parcels();
         let worker = || Worker { parcels, waits: Some((0.0, false)), ..Worker::default() };
-        Run {
+        Simulation {
             schedule,
             plan,
             seconds,
@@ -145,6 +129,7 @@ impl<'a> Run<'a> {
             master_free: 0.0,
             end: 0.0,
             spans: Vec::with_capacity(plan.tiles.len()),
+            pauses: vec![],
             tasks: Messages::default(),
             reports: Messages::default(),
         }
@@ -160,25 +145,20 @@ impl<'a> Run<'a> {
         let stealing = self.schedule.strategy == Strategy::Stealing;
         for worker in 0..self.workers.len() {
             let run = self.dealer.first(worker, self.plan);
-            let rest = run.map(|run| Rest { first: run.first, end: run.end, step: run.step });
             // Who owns nothing may steal.
-            let empty = Rest { first: 0, end: 0, step: 1 };
-            self.lay(worker, false, rest.or(stealing.then_some(empty)));
+            let empty = Run { first: 0, end: 0, step: 1 };
+            self.lay(worker, false, run.or(stealing.then_some(empty)));
         }
         for _ in 1..self.schedule.strategy.tasks_at_once() {
             for worker in 0..self.workers.len() {
-                let task = self.next_task();
+                let task = self.dealer.next(self.plan);
                 self.lay(worker, false, task);
             }
         }
     }
 
-    fn next_task(&mut self) -> Option<Rest> {
-        self.dealer.next(self.plan).map(|run| Rest { first: run.first, end: run.end, step: run.step })
-    }
-
     /// The master lays something on a worker's desk, and wakes it if it waits.
-    fn lay(&mut self, worker: usize, parcel: bool, task: Option<Rest>) {
+    fn lay(&mut self, worker: usize, parcel: bool, task: Option<Run>) {
         let Costs { send, latency, .. } = *self.costs;
         let desk = &mut self.workers[worker];
         desk.parcels += usize::from(parcel);
@@ -194,14 +174,11 @@ impl<'a> Run<'a> {
             return;
         }
         // Who sleeps is woken once: then it has an event.
-        if let Some((since, deliver)) = desk.waits.take() {
+        if let Some((start, deliver)) = desk.waits.take() {
             self.master_free += send;
-            let at = self.master_free + latency;
-            if desk.begun && (deliver || task.is_some()) {
-                let idle = if deliver { &mut desk.stats.deliver } else { &mut desk.stats.work };
-                *idle += at - since;
-            }
-            self.at(at, What::Look(worker));
+            let end = self.master_free + latency;
+            self.pauses.push(Pause { worker, start, end, deliver });
+            self.at(end, What::Look(worker));
         }
     }
 
@@ -226,13 +203,11 @@ impl<'a> Run<'a> {
         let desk = &mut self.workers[worker];
         let begin = now + std::mem::take(&mut desk.debt);
         let end = begin + self.seconds[place];
-        desk.begun = true;
         desk.filled.0 += 1;
         desk.filled.1 += self.plan.tiles[place].len();
         self.spans.push(Span { worker, tile: self.plan.tiles[place], start: begin, end });
         let end = end + self.costs.tile;
-        let last =
-            desk.task.is_none_or(|rest| rest.len() == 0) && self.schedule.strategy != Strategy::Stealing;
+        let last = desk.task.is_none_or(Run::is_empty) && self.schedule.strategy != Strategy::Stealing;
         if last || self.schedule.film == FilmMode::Messages {
             self.post(worker, end, last);
         } else {
@@ -244,7 +219,7 @@ impl<'a> Run<'a> {
     /// it.
     fn take_tile(&mut self, worker: usize, now: f64) -> Option<(usize, f64)> {
         let own = self.workers[worker].task.as_mut()?;
-        if own.len() > 0 {
+        if !own.is_empty() {
             let place = own.first;
             own.first += own.step;
             return Some((place, now));
@@ -252,11 +227,11 @@ impl<'a> Run<'a> {
         if self.schedule.strategy != Strategy::Stealing {
             return None;
         }
-        let rest = |i: usize, workers: &[Worker]| workers[i].task.map_or(0, Rest::len);
+        let rest = |i: usize, workers: &[Worker]| workers[i].task.map_or(0, Run::len);
         let victim = (0..self.workers.len()).max_by_key(|&i| rest(i, &self.workers))?;
-        let rest = self.workers[victim].task.as_mut().filter(|rest| rest.len() > 0)?;
+        let rest = self.workers[victim].task.as_mut().filter(|rest| !rest.is_empty())?;
         let half = rest.len().div_ceil(2);
-        let stolen = Rest { first: rest.first + 1, end: rest.first + half, step: 1 };
+        let stolen = Run { first: rest.first + 1, end: rest.first + half, step: 1 };
         let place = rest.first;
         rest.first += half;
         self.workers[worker].task = Some(stolen);
@@ -288,7 +263,7 @@ impl<'a> Run<'a> {
             work += report.pixels as f64 * 12.0 * self.costs.per_byte;
         }
         self.master_free = begin + work;
-        let next = if report.finished { self.next_task() } else { None };
+        let next = if report.finished { self.dealer.next(self.plan) } else { None };
         self.lay(report.worker, true, next);
         if self.workers.len() >= self.costs.cores {
             self.take_from_a_worker(self.master_free - begin);
@@ -310,7 +285,7 @@ impl<'a> Run<'a> {
             pinned: Pinned::Free,
             busy_seconds: 0.0,
             tiles: 0,
-            idle: worker.stats,
+            idle: Idle::default(),
             steals: worker.steals,
         };
         let mut stats = FrameStats {
@@ -320,7 +295,7 @@ impl<'a> Run<'a> {
             tasks: self.tasks,
             reports: self.reports,
         };
-        stats.sum_up();
+        stats.sum_up(&self.pauses);
         stats
     }
 }

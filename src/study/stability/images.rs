@@ -143,10 +143,7 @@ fn singles(setup: &Setup) -> Vec<RenderOptions> {
     }
     all.extend(THREADS.map(|threads| RenderOptions { threads: Some(threads), ..base }));
     all.extend(Order::ALL.map(|order| RenderOptions { order, ..base }));
-    for film in FilmMode::ALL {
-        let schedules = Strategy::ALL.map(|strategy| Schedule { strategy, film });
-        all.extend(schedules.map(|schedule| RenderOptions { schedule, threads: Some(2), ..base }));
-    }
+    all.extend(Schedule::all().map(|schedule| RenderOptions { schedule, threads: Some(2), ..base }));
     all.extend(TILES.map(|tile| RenderOptions { tile, ..base }));
     all.extend(BuildPreset::ALL.map(|build| RenderOptions { build, ..base }));
     all.push(RenderOptions { early: EarlyTermination::NONE, kernel: KernelChoice::Tile, ..base });

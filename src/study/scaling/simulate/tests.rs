@@ -17,11 +17,6 @@ const FREE: Costs = Costs {
     cores: usize::MAX,
 };
 
-fn schedules() -> impl Iterator<Item = Schedule> {
-    let films = |strategy| FilmMode::ALL.map(|film| Schedule { strategy, film });
-    Strategy::ALL.into_iter().flat_map(films)
-}
-
 /// Every pixel costs one, in tiles of 4x4.
 fn frame(schedule: Schedule, workers: usize, side: u32, costs: &Costs) -> FrameStats {
     let tiles = tiles(side, side, 4, Order::Hilbert);
@@ -33,7 +28,7 @@ fn frame(schedule: Schedule, workers: usize, side: u32, costs: &Costs) -> FrameS
 #[test]
 fn every_tile_runs_once_and_no_worker_does_two_things_at_once() {
     let costs = Costs { latency: 0.3, send: 0.1, collect: 0.2, steal: 0.1, cores: 1, ..FREE };
-    for schedule in schedules() {
+    for schedule in Schedule::all() {
         for workers in [1, 2, 7, 300] {
             let stats = frame(schedule, workers, 64, &costs);
             let mut tiles: Vec<Tile> = stats.spans.iter().map(|span| span.tile).collect();
@@ -52,7 +47,7 @@ fn every_tile_runs_once_and_no_worker_does_two_things_at_once() {
 
 #[test]
 fn where_nothing_costs_anything_equal_tiles_are_shared_evenly() {
-    for schedule in schedules() {
+    for schedule in Schedule::all() {
         for workers in [1, 2, 4, 16, 256] {
             let stats = frame(schedule, workers, 64, &FREE);
             let ideal = 64.0 * 64.0 / workers as f64;
@@ -94,11 +89,63 @@ fn by_hand_dynamic_pays_a_round_trip_for_each_tile_and_overlap_does_not() {
 fn a_master_that_copies_for_too_long_holds_everybody_up() {
     let costs = Costs { per_byte: 1.0, ..FREE };
     let bytes = 64.0 * 64.0 * 12.0;
-    for schedule in schedules() {
+    for schedule in Schedule::all() {
         let seconds = frame(schedule, 16, 64, &costs).seconds;
         match schedule.film {
             FilmMode::Messages => assert!(seconds >= bytes, "{schedule:?} {seconds}"),
             FilmMode::Shared => assert!(seconds < 300.0, "{schedule:?} {seconds}"),
         }
     }
+}
+
+#[test]
+fn where_only_messages_take_time_every_moment_is_a_tile_or_a_known_wait() {
+    let costs = Costs { latency: 3.0, per_byte: 0.01, ..FREE };
+    for schedule in Schedule::all() {
+        for workers in [1, 2, 5] {
+            let stats = frame(schedule, workers, 64, &costs);
+            for worker in &stats.workers {
+                let Idle { start, work, deliver, tail } = worker.idle;
+                let sum = start + worker.busy_seconds + work + deliver + tail;
+                assert!(
+                    (sum - stats.seconds).abs() < 1e-6,
+                    "{schedule:?} {workers}: {worker:?} {}",
+                    stats.seconds
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn by_hand_every_step_of_a_round_trip_takes_its_time() {
+    let costs =
+        Costs { prepare: 5.0, send: 1.0, latency: 2.0, collect: 3.0, collect_tile: 0.5, tile: 0.25, ..FREE };
+    let schedule = Schedule { strategy: Strategy::Dynamic, film: FilmMode::Shared };
+    let seconds = frame(schedule, 1, 16, &costs).seconds;
+    // Before the first tile: prepare, send, latency. A tile, its bookkeeping and report: 16 + 0.25 + (1 + 2) + 3.5.
+    // Then whoever sleeps is woken, 1; and but for the last time the next task is 2 on its way.
+    let (before, round) = (5.0 + 1.0 + 2.0, 16.0 + 0.25 + 3.0 + 3.5 + 1.0);
+    assert!((seconds - (before + 16.0 * round + 15.0 * 2.0)).abs() < 1e-6, "{seconds}");
+}
+
+#[test]
+fn by_hand_a_master_without_a_core_takes_that_of_its_worker() {
+    let costs = Costs { collect: 3.0, switch: 1.0, ..FREE };
+    let schedule = Schedule { strategy: Strategy::NonBlocking, film: FilmMode::Shared };
+    let time = |cores| frame(schedule, 1, 16, &Costs { cores, ..costs }).seconds;
+    // After each tile but the last one the worker stands still for the report and two switches.
+    assert!((time(1) - (256.0 + 15.0 * 4.0 + 3.0)).abs() < 1e-6, "{}", time(1));
+    assert!((time(2) - (256.0 + 3.0)).abs() < 1e-6, "{}", time(2));
+}
+
+#[test]
+fn a_steal_takes_its_time() {
+    let tiles = tiles(64, 64, 4, Order::Hilbert);
+    let seconds: Vec<f64> = (0..256).map(|i| if i < 128 { 4.0 } else { 1.0 }).collect();
+    let schedule = Schedule { strategy: Strategy::Stealing, film: FilmMode::Shared };
+    let plan = Plan::new(schedule.strategy, 2, &tiles, &CostMap::default());
+    let run = |steal| simulate(schedule, 2, &plan, &seconds, &Costs { steal, ..FREE });
+    assert!(run(0.0).workers.iter().any(|worker| worker.steals > 0));
+    assert!(run(2.0).seconds > run(0.0).seconds);
 }

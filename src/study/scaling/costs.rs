@@ -43,8 +43,13 @@ pub struct Costs {
 
 impl Costs {
     /// The same on a cluster: a network of `latency` seconds and `bits` per second, and a node for the master alone.
-    pub fn on_network(self, latency: f64, bits: f64) -> Costs {
+    pub(super) fn on_network(self, latency: f64, bits: f64) -> Costs {
         Costs { latency, per_byte: self.per_byte + 8.0 / bits, cores: usize::MAX, ..self }
+    }
+
+    /// The same on a machine with a core for each of `workers` workers, and none for the master.
+    pub(super) fn on_cores(self, workers: usize) -> Costs {
+        Costs { cores: workers, ..self }
     }
 
     /// Measures them, in about a tenth of a second.

@@ -1,32 +1,33 @@
 //! Frames of a scene under every schedule, in interleaved rounds, and what its tiles cost.
 
+use super::{Costs, simulate};
 use crate::error::Result;
-use crate::render::{Session, Stage};
-use crate::schedule::{Control, CostMap, FilmMode, FrameStats, Machine, Placement, Schedule, Strategy};
+use crate::render::Stage;
+use crate::schedule::{Control, CostMap, FilmMode, FrameStats, Machine, Placement, Plan, Schedule, Strategy};
 use crate::tile::Tile;
 use std::collections::HashMap;
 
 /// Frames of one schedule with one number of workers.
 #[derive(Clone, Debug)]
-pub struct Measured {
+pub(super) struct Measured {
     /// How they were scheduled.
-    pub schedule: Schedule,
+    pub(super) schedule: Schedule,
     /// By how many workers.
-    pub workers: usize,
+    pub(super) workers: usize,
     /// In the order of the rounds.
-    pub frames: Vec<FrameStats>,
+    pub(super) frames: Vec<FrameStats>,
 }
 
 impl Measured {
     /// The frame whose time is the median (of an even number the faster one of the middle two).
-    pub fn median_frame(&self) -> &FrameStats {
+    pub(super) fn median_frame(&self) -> &FrameStats {
         let mut order: Vec<&FrameStats> = self.frames.iter().collect();
         order.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
         order[(order.len() - 1) / 2]
     }
 
     /// Seconds of each frame.
-    pub fn seconds(&self) -> Vec<f64> {
+    pub(super) fn seconds(&self) -> Vec<f64> {
         self.frames.iter().map(|frame| frame.seconds).collect()
     }
 }
@@ -35,7 +36,7 @@ impl Measured {
 /// hits all of them alike. The first frame of new workers is not counted.
 ///
 /// # Errors
-/// As [`Session::frame`], and [`crate::error::Error::Failed`] if two images differ.
+/// As [`crate::render::Session::frame`], and [`crate::error::Error::Failed`] if two images differ.
 pub(super) fn measure(
     stage: &Stage<'_>,
     schedules: &[Schedule],
@@ -60,7 +61,7 @@ pub(super) fn measure(
                 session.frame(Schedule::default(), &tiles, control)?;
                 for measured in all.iter_mut().filter(|measured| measured.workers == count) {
                     measured.frames.push(session.frame(measured.schedule, &tiles, control)?);
-                    check_image(session, measured.schedule, &mut hash)?;
+                    check_image(session.film().sha256(), measured.schedule, &mut hash)?;
                 }
                 Ok(())
             })?;
@@ -70,8 +71,7 @@ pub(super) fn measure(
 }
 
 /// A schedule that changes the image is not worth timing.
-fn check_image(session: &Session<'_, '_>, schedule: Schedule, expected: &mut Option<String>) -> Result<()> {
-    let hash = session.film().sha256();
+fn check_image(hash: String, schedule: Schedule, expected: &mut Option<String>) -> Result<()> {
     let expected = expected.get_or_insert_with(|| hash.clone());
     if *expected == hash {
         return Ok(());
@@ -84,14 +84,14 @@ fn check_image(session: &Session<'_, '_>, schedule: Schedule, expected: &mut Opt
 
 /// What tiles cost one worker that has the machine for itself.
 #[derive(Clone, Debug, Default)]
-pub struct TileCosts {
+pub(super) struct TileCosts {
     seconds: HashMap<Tile, f64>,
     map: CostMap,
 }
 
 impl TileCosts {
     /// From the tiles of `frames`: the median of each. `base` covers the image.
-    pub fn new<'a>(base: &[Tile], frames: impl IntoIterator<Item = &'a FrameStats>) -> TileCosts {
+    pub(super) fn new<'a>(base: &[Tile], frames: impl IntoIterator<Item = &'a FrameStats>) -> TileCosts {
         let mut samples: HashMap<Tile, Vec<f64>> = HashMap::new();
         for span in frames.into_iter().flat_map(|frame| &frame.spans) {
             samples.entry(span.tile).or_default().push(span.end - span.start);
@@ -108,14 +108,22 @@ impl TileCosts {
         TileCosts { seconds, map }
     }
 
-    /// As it was measured, or what its pixels took in the tile around it.
-    pub fn of(&self, tile: Tile) -> f64 {
-        self.seconds.get(&tile).copied().or_else(|| self.map.predict(tile)).unwrap_or(0.0)
+    /// What a frame of `tiles` would take `workers` workers.
+    pub(super) fn simulate(
+        &self,
+        schedule: Schedule,
+        workers: usize,
+        tiles: &[Tile],
+        costs: &Costs,
+    ) -> FrameStats {
+        let plan = Plan::new(schedule.strategy, workers, tiles, &self.map);
+        let seconds: Vec<f64> = plan.tiles.iter().map(|&tile| self.of(tile)).collect();
+        simulate(schedule, workers, &plan, &seconds, costs)
     }
 
-    /// For the cost-guided strategy.
-    pub fn map(&self) -> &CostMap {
-        &self.map
+    /// As it was measured, or what its pixels took in the tile around it.
+    pub(super) fn of(&self, tile: Tile) -> f64 {
+        self.seconds.get(&tile).copied().or_else(|| self.map.predict(tile)).unwrap_or(0.0)
     }
 }
 
@@ -123,7 +131,7 @@ impl TileCosts {
 /// cut them so.
 ///
 /// # Errors
-/// As [`Session::frame`].
+/// As [`crate::render::Session::frame`].
 pub(super) fn smaller_tiles(
     stage: &Stage<'_>,
     film: FilmMode,
@@ -145,4 +153,52 @@ pub(super) fn smaller_tiles(
         }
         Ok(frames)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::schedule::{Messages, Span};
+
+    #[test]
+    fn a_tile_costs_its_median_and_a_part_of_it_its_share() {
+        let tile = Tile { x: 0, y: 0, width: 32, height: 32 };
+        let frames = [1.0, 9.0, 3.0].map(|end| FrameStats {
+            seconds: end,
+            workers: vec![],
+            spans: vec![Span { worker: 0, tile, start: 0.0, end }],
+            tasks: Messages::default(),
+            reports: Messages::default(),
+        });
+        let costs = TileCosts::new(&[tile], &frames);
+        assert_eq!(costs.of(tile), 3.0);
+        assert!((costs.of(Tile { width: 16, ..tile }) - 1.5).abs() < 1e-12);
+        assert_eq!(costs.of(Tile { x: 32, ..tile }), 0.0, "of what is not in the image");
+    }
+
+    #[test]
+    fn another_image_ends_the_run_and_the_schedule_is_named() {
+        let mut expected = None;
+        let mut check = |hash: &str| check_image(hash.into(), Schedule::default(), &mut expected);
+        check("00ff").unwrap();
+        check("00ff").unwrap();
+        let message = check("00fe").unwrap_err().to_string();
+        assert!(message.starts_with("stealing with film shared gave another image"), "{message}");
+        check("00ff").unwrap();
+    }
+
+    #[test]
+    fn the_median_frame_is_one_that_was_rendered() {
+        let frame = |seconds: f64| FrameStats {
+            seconds,
+            workers: vec![],
+            spans: vec![],
+            tasks: Messages::default(),
+            reports: Messages::default(),
+        };
+        let frames = [4.0, 1.0, 3.0, 2.0].map(frame).to_vec();
+        let measured = Measured { schedule: Schedule::default(), workers: 1, frames };
+        assert_eq!(measured.median_frame().seconds, 2.0);
+        assert_eq!(measured.seconds(), [4.0, 1.0, 3.0, 2.0]);
+    }
 }

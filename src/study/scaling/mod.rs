@@ -8,17 +8,19 @@ mod sizes;
 mod thesis;
 
 pub use costs::{Costs, overhead_per_tile};
-pub use measure::{Measured, TileCosts};
 pub use simulate::simulate;
 pub use sizes::{SizeRow, tile_sizes};
-pub use thesis::{ThesisFigure, thesis_figure};
+pub use thesis::ThesisFigure;
 
 use crate::{
     error::Result,
     render::{RenderOptions, Stage},
     scene::Scene,
-    schedule::{Control, FilmMode, FrameStats, Machine, Plan, Schedule},
+    schedule::{Control, FilmMode, FrameStats, Machine, Schedule},
+    tile::Tile,
 };
+use measure::{Measured, TileCosts};
+use thesis::thesis_figure;
 
 /// What to measure.
 #[derive(Clone, Debug)]
@@ -105,27 +107,18 @@ pub fn scaling(
     let mut measured: Vec<usize> = options.workers.iter().copied().filter(|&n| n > 1 && n <= cores).collect();
     measured.insert(0, 1);
     let all = measure::measure(&stage, &options.schedules, &measured, options.rounds, pin, side, control)?;
-    let mut rows = vec![];
-    let mut tile_costs: Vec<(FilmMode, TileCosts)> = vec![];
     let base = stage.tiles(side);
-    for film in FilmMode::ALL.into_iter().filter(|film| options.schedules.iter().any(|s| s.film == *film)) {
-        let mut frames: Vec<&FrameStats> = all
-            .iter()
-            .filter(|m| m.workers == 1 && m.schedule.film == film)
-            .flat_map(|m| &m.frames)
-            .collect();
-        let smaller = measure::smaller_tiles(&stage, film, side, pin, control)?;
-        frames.extend(&smaller);
-        tile_costs.push((film, TileCosts::new(&base, frames)));
-    }
+    let tile_costs = tile_costs(&stage, &base, options, &all, control)?;
+    let mut rows = vec![];
     for &schedule in &options.schedules {
         let Some((_, tiles)) = tile_costs.iter().find(|(film, _)| *film == schedule.film) else { continue };
         let predict = |workers: usize| {
-            let plan = Plan::new(schedule.strategy, workers, &base, tiles.map());
-            let seconds: Vec<f64> = plan.tiles.iter().map(|&tile| tiles.of(tile)).collect();
-            let cluster = options.network.map(|(latency, bits)| costs.on_network(latency, bits));
-            let costs = if workers > cores { cluster.unwrap_or(on_cores(*costs, workers)) } else { *costs };
-            simulate(schedule, workers, &plan, &seconds, &costs)
+            let costs = match options.network {
+                _ if workers <= cores => *costs,
+                Some((latency, bits)) => costs.on_network(latency, bits),
+                None => costs.on_cores(workers),
+            };
+            tiles.simulate(schedule, workers, &base, &costs)
         };
         let predicted_one = predict(1).seconds;
         let find = |workers: usize| all.iter().find(|m| m.workers == workers && m.schedule == schedule);
@@ -164,9 +157,23 @@ pub fn scaling(
     Ok(rows)
 }
 
-/// The simulated machine has a core for each worker, and none for the master.
-fn on_cores(costs: Costs, workers: usize) -> Costs {
-    Costs { cores: workers, ..costs }
+/// What tiles cost one worker, for each film mode that is asked for.
+fn tile_costs(
+    stage: &Stage<'_>,
+    base: &[Tile],
+    options: &ScalingOptions,
+    measured: &[Measured],
+    control: &Control<'_>,
+) -> Result<Vec<(FilmMode, TileCosts)>> {
+    let RenderOptions { pin, tile: side, .. } = options.render;
+    let asked_for = |film: &FilmMode| options.schedules.iter().any(|schedule| schedule.film == *film);
+    let costs = |film: FilmMode| -> Result<_> {
+        let smaller = measure::smaller_tiles(stage, film, side, pin, control)?;
+        let alone = measured.iter().filter(|m| m.workers == 1 && m.schedule.film == film);
+        let frames = alone.flat_map(|m| &m.frames).chain(&smaller);
+        Ok((film, TileCosts::new(base, frames)))
+    };
+    FilmMode::ALL.into_iter().filter(asked_for).map(costs).collect()
 }
 
 fn least(samples: &[f64]) -> f64 {
@@ -178,4 +185,54 @@ fn median(samples: &[f64]) -> f64 {
     sorted.sort_by(f64::total_cmp);
     let half = sorted.len() / 2;
     if sorted.len() % 2 == 1 { sorted[half] } else { f64::midpoint(sorted[half - 1], sorted[half]) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::schedule::{Idle, Messages, Pinned, Strategy, WorkerStats};
+
+    #[test]
+    fn what_limits_a_frame_is_told_by_its_mean_share() {
+        let worker = |busy_seconds, start, tail| WorkerStats {
+            pinned: Pinned::Free,
+            busy_seconds,
+            tiles: 1,
+            idle: Idle { start, work: 0.5, deliver: 0.0, tail },
+            steals: 0,
+        };
+        let frame = FrameStats {
+            seconds: 10.0,
+            workers: vec![worker(8.0, 1.0, 0.5), worker(5.0, 1.0, 3.5)],
+            spans: vec![],
+            tasks: Messages::default(),
+            reports: Messages::default(),
+        };
+        let row = ScalingRow {
+            scene: String::new(),
+            schedule: Schedule { strategy: Strategy::Static, film: FilmMode::Shared },
+            workers: 2,
+            simulated: false,
+            seconds: vec![10.0],
+            efficiency: 1.0,
+            fastest: 1.0,
+            predicted: None,
+            frame,
+            thesis: None,
+        };
+        let expected = [("tail", 0.2), ("start", 0.1), ("work", 0.05), ("deliver", 0.0), ("scheduler", 0.0)];
+        let limits = row.limits();
+        assert_eq!(limits.len(), expected.len());
+        for (name, share) in expected {
+            let found = limits.iter().find(|limit| limit.0 == name).unwrap();
+            assert!((found.1 - share).abs() < 1e-12, "{limits:?}");
+        }
+        assert!(limits.is_sorted_by(|a, b| a.1 >= b.1));
+    }
+
+    #[test]
+    fn the_median_is_between_the_middle_two() {
+        assert_eq!((median(&[3.0, 1.0, 2.0]), median(&[4.0, 1.0])), (2.0, 2.5));
+        assert_eq!(least(&[3.0, 1.0, 2.0]), 1.0);
+    }
 }

@@ -5,13 +5,15 @@
 //! cheapest tile that shows nothing but background makes the first one huge.
 
 use super::measure::TileCosts;
-use super::{Costs, median, on_cores, simulate};
+use super::{Costs, median};
 use crate::{
     error::Result,
     render::{RenderOptions, Stage},
     scene::Scene,
-    schedule::{Control, Machine, Placement, Plan, Schedule},
+    schedule::{Control, FrameStats, Machine, Placement},
+    tile::Tile,
 };
+use std::collections::BTreeMap;
 
 /// Ratios of Plachetka's rule.
 const RATIOS: std::ops::RangeInclusive<f64> = 2.5..=4.0;
@@ -41,6 +43,29 @@ pub struct SizeRow {
     pub by_rule: bool,
 }
 
+/// Tiles of one size, and what they cost one worker.
+struct Size {
+    side: u32,
+    tiles: Vec<Tile>,
+    costs: TileCosts,
+    ratio: f64,
+    over_mean: f64,
+}
+
+impl Size {
+    fn new(stage: &Stage<'_>, side: u32, frames: &[FrameStats]) -> Size {
+        let tiles = stage.tiles(side);
+        let costs = TileCosts::new(&tiles, frames);
+        // Tiles at the edges of the image are smaller, and no measure of what regions of one size cost.
+        let full = |tile: &&Tile| tile.width == side && tile.height == side;
+        let seconds: Vec<f64> = tiles.iter().filter(full).map(|&tile| costs.of(tile)).collect();
+        let dearest = seconds.iter().copied().fold(f64::NAN, f64::max);
+        let cheapest = seconds.iter().copied().fold(f64::NAN, f64::min);
+        let mean = seconds.iter().sum::<f64>() / seconds.len().max(1) as f64;
+        Size { side, tiles, costs, ratio: dearest / cheapest, over_mean: dearest / mean }
+    }
+}
+
 /// Measures frames of every size in `sides` for 1 worker up to the machine's, and simulates more.
 ///
 /// # Errors
@@ -57,74 +82,49 @@ pub fn tile_sizes(
     let stage = Stage::new(scene, options)?;
     let schedule = options.schedule;
     let cores = Machine::get().default_workers();
-    let mut one: Vec<Vec<_>> = vec![vec![]; sides.len()];
-    let mut many: Vec<(usize, usize, Vec<f64>)> = vec![];
+    let mut alone: BTreeMap<u32, Vec<FrameStats>> = BTreeMap::new();
+    let mut measured: BTreeMap<(u32, usize), Vec<f64>> = BTreeMap::new();
     for _ in 0..rounds {
         for &count in std::iter::once(&1).chain(workers.iter().filter(|&&n| n > 1 && n <= cores)) {
             let placement = Placement::new(Machine::get(), Some(count), options.pin);
             stage.with_session(&placement, |session| {
+                // The first frame of new threads does not count.
                 session.frame(schedule, &stage.tiles(64), control)?;
-                for (index, &side) in sides.iter().enumerate() {
+                for &side in sides {
                     let frame = session.frame(schedule, &stage.tiles(side), control)?;
-                    match many.iter_mut().find(|(i, n, _)| (*i, *n) == (index, count)) {
-                        Some((_, _, seconds)) => seconds.push(frame.seconds),
-                        None => many.push((index, count, vec![frame.seconds])),
-                    }
+                    measured.entry((side, count)).or_default().push(frame.seconds);
                     if count == 1 {
-                        one[index].push(frame);
+                        alone.entry(side).or_default().push(frame);
                     }
                 }
                 Ok(())
             })?;
         }
     }
+    let frames = |side: u32| alone.get(&side).map_or(&[][..], Vec::as_slice);
+    let sizes: Vec<Size> = sides.iter().map(|&side| Size::new(&stage, side, frames(side))).collect();
     let mut rows = vec![];
     for &count in workers {
-        for (index, &side) in sides.iter().enumerate() {
-            let measured = many.iter().find(|(i, n, _)| (*i, *n) == (index, count));
-            rows.push(row(scene, &stage, schedule, [side, count as u32], &one[index], measured, costs));
+        for size in &sizes {
+            let measured = measured.get(&(size.side, count));
+            let predicted =
+                || size.costs.simulate(schedule, count, &size.tiles, &costs.on_cores(count)).seconds;
+            rows.push(SizeRow {
+                scene: scene.name.clone(),
+                side: size.side,
+                tiles: size.tiles.len(),
+                workers: count,
+                simulated: measured.is_none(),
+                seconds: measured.map_or_else(predicted, |seconds| median(seconds)),
+                ratio: size.ratio,
+                over_mean: size.over_mean,
+                best: false,
+                by_rule: false,
+            });
         }
     }
     mark(&mut rows, workers);
     Ok(rows)
-}
-
-fn row(
-    scene: &Scene,
-    stage: &Stage<'_>,
-    schedule: Schedule,
-    [side, workers]: [u32; 2],
-    frames: &[crate::schedule::FrameStats],
-    measured: Option<&(usize, usize, Vec<f64>)>,
-    costs: &Costs,
-) -> SizeRow {
-    let workers = workers as usize;
-    let tiles = stage.tiles(side);
-    let tile_costs = TileCosts::new(&tiles, frames);
-    // Tiles at the edges of the image are smaller, and no measure of what regions of one size cost.
-    let full = |tile: &&crate::tile::Tile| tile.width == side && tile.height == side;
-    let mut seconds: Vec<f64> = tiles.iter().filter(full).map(|&tile| tile_costs.of(tile)).collect();
-    seconds.sort_by(f64::total_cmp);
-    let dearest = seconds.last().copied().unwrap_or(f64::NAN);
-    let cheapest = seconds.first().copied().unwrap_or(f64::NAN);
-    let mean = seconds.iter().sum::<f64>() / seconds.len().max(1) as f64;
-    let predicted = || {
-        let plan = Plan::new(schedule.strategy, workers, &tiles, tile_costs.map());
-        let seconds: Vec<f64> = plan.tiles.iter().map(|&tile| tile_costs.of(tile)).collect();
-        simulate(schedule, workers, &plan, &seconds, &on_cores(*costs, workers)).seconds
-    };
-    SizeRow {
-        scene: scene.name.clone(),
-        side,
-        tiles: tiles.len(),
-        workers,
-        simulated: measured.is_none(),
-        seconds: measured.map_or_else(predicted, |(_, _, seconds)| median(seconds)),
-        ratio: dearest / cheapest,
-        over_mean: dearest / mean,
-        best: false,
-        by_rule: false,
-    }
 }
 
 /// Marks the best size and the rule's for each number of workers.
@@ -139,5 +139,37 @@ fn mark(rows: &mut [SizeRow], workers: &[usize]) {
         {
             chosen.by_rule = true;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fastest_size_and_the_largest_one_within_the_rule_are_marked_for_each_number_of_workers() {
+        let row = |workers, side, seconds, ratio| SizeRow {
+            scene: String::new(),
+            side,
+            tiles: 1,
+            workers,
+            simulated: false,
+            seconds,
+            ratio,
+            over_mean: 1.0,
+            best: false,
+            by_rule: false,
+        };
+        let mut rows = [
+            row(1, 16, 2.0, 5.0),
+            row(1, 32, 1.0, 4.0),
+            row(1, 64, 3.0, 2.5),
+            row(1, 128, 4.0, 2.4),
+            row(2, 16, 1.0, 1.0),
+            row(2, 32, 2.0, 9.0),
+        ];
+        mark(&mut rows, &[1, 2]);
+        assert_eq!(rows.each_ref().map(|row| row.best), [false, true, false, false, true, false]);
+        assert_eq!(rows.each_ref().map(|row| row.by_rule), [false, false, true, false, false, false]);
     }
 }

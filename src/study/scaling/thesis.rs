@@ -16,7 +16,7 @@ pub struct ThesisFigure {
 }
 
 /// The thesis' figure; `None` where it has none.
-pub fn thesis_figure(scene: &str, strategy: Strategy, workers: usize) -> Option<ThesisFigure> {
+pub(super) fn thesis_figure(scene: &str, strategy: Strategy, workers: usize) -> Option<ThesisFigure> {
     TABLES.lines().filter(|line| !line.starts_with('#')).find_map(|line| {
         let cells: Vec<&str> = line.split(',').collect();
         let &[name, by, count, fps, efficiency] = cells.as_slice() else { return None };

@@ -13,19 +13,15 @@ mod task;
 pub use session::{Session, Stage};
 
 use crate::{
-    bvh::{BuildPreset, Bvh},
-    camera::Camera,
+    bvh::BuildPreset,
     error::{Error, Result},
     film::{Film, NanPixels},
     kernels::{Isa, Kernels, Visibility},
     scene::Scene,
-    schedule::{Control, Machine, Placement, Schedule, WorkerStats, with_workers},
-    shade::SurfaceTable,
-    tile::{Order, tiles},
+    schedule::{Control, Machine, Placement, Schedule, WorkerStats},
+    tile::Order,
     trace::{EarlyTermination, KernelChoice},
 };
-use std::time::Instant;
-use task::{Frame, RenderTask, TileReport};
 
 /// How to render; says nothing about what.
 #[derive(Clone, Copy, Debug)]
@@ -124,46 +120,36 @@ pub fn choose_kernels(isa: Option<Isa>) -> Result<Kernels> {
 /// [`Error::Worker`] if a tile panicked, [`Error::Failed`] if the scene breaks a promise (see [`Scene::check`]) or the
 /// tree cannot be built.
 pub fn render(scene: &Scene, options: &RenderOptions, control: &Control) -> Result<Rendered> {
-    let kernels = choose_kernels(options.isa)?.with_visibility(options.visibility);
-    scene.check()?;
     // The machine is enumerated and the tree built before any thread is pinned: pins are inherited.
     let placement = Placement::new(Machine::get(), options.threads, options.pin);
-    let start = Instant::now();
-    let bvh = Bvh::build(&scene.mesh, options.build)?;
-    let table = SurfaceTable::new(scene);
-    let build_seconds = start.elapsed().as_secs_f64();
+    let stage = Stage::new(scene, options)?;
     if control.cancelled() {
         return Err(Error::Interrupted);
     }
-
-    let task = RenderTask::new(scene, &bvh, &table, kernels, options);
-    let [width, height] = options.size;
-    let tiles = tiles(width, height, options.tile, options.order);
-    let camera = Camera::new(&scene.camera, width, height);
-    let mut film = Film::new(width, height);
+    let tiles = stage.tiles(options.tile);
     let mut frames = Vec::new();
-    with_workers(&task, &placement, |master| {
+    let film = stage.with_session(&placement, |session| {
         for _ in 0..options.frames {
-            let mut sum = TileReport::default();
-            let mode = options.schedule.film;
-            let frame = Frame { camera, film: std::mem::replace(&mut film, Film::new(0, 0)), mode };
-            let (frame, stats) =
-                master.run_frame(options.schedule, frame, &tiles, control, |frame, tile, report| {
-                    frame.collect(tile, report, &mut sum);
-                })?;
-            film = frame.film;
+            let (stats, sum) = session.counted_frame(options.schedule, &tiles, control)?;
             frames.push(FrameReport {
                 seconds: stats.seconds,
                 rays: sum.rays,
                 doubts: sum.doubts,
                 trace_seconds: sum.trace.as_secs_f64(),
                 shade_seconds: sum.shade.as_secs_f64(),
-                image_sha256: film.sha256(),
+                image_sha256: session.film().sha256(),
                 workers: stats.workers,
             });
         }
-        Ok(())
+        Ok(session.take_film())
     })?;
     let nan = film.nan();
-    Ok(Rendered { film, isa: kernels.isa(), build_seconds, tree_bytes: bvh.bytes(), frames, nan })
+    Ok(Rendered {
+        film,
+        isa: stage.kernels.isa(),
+        build_seconds: stage.build_seconds,
+        tree_bytes: stage.bvh.bytes(),
+        frames,
+        nan,
+    })
 }

@@ -1,4 +1,4 @@
-//! Frame after frame on the same workers, for studies that compare schedules.
+//! A scene made ready, and frame after frame on the same workers.
 
 use super::{
     RenderOptions, choose_kernels,
@@ -15,36 +15,39 @@ use crate::{
     shade::SurfaceTable,
     tile::{Tile, tiles},
 };
+use std::time::Instant;
 
 /// A scene that is ready to be rendered by any number of workers.
 pub struct Stage<'a> {
     scene: &'a Scene,
     options: RenderOptions,
-    kernels: Kernels,
-    bvh: Bvh,
+    pub(super) kernels: Kernels,
+    pub(super) bvh: Bvh,
     table: SurfaceTable,
+    /// To build the tree and the surface table.
+    pub(super) build_seconds: f64,
 }
 
 impl<'a> Stage<'a> {
-    /// Builds the tree. Threads and frames of `options` mean nothing here.
+    /// Checks the scene and builds the tree. Threads, frames and schedule of `options` mean nothing here.
     ///
     /// # Errors
-    /// As [`super::render`].
+    /// [`Error::Flag`](crate::error::Error::Flag) for an instruction set that this machine lacks,
+    /// [`Error::Failed`](crate::error::Error::Failed) if the scene breaks a promise (see [`Scene::check`]) or the tree
+    /// cannot be built.
     pub fn new(scene: &'a Scene, options: &RenderOptions) -> Result<Stage<'a>> {
         let kernels = choose_kernels(options.isa)?.with_visibility(options.visibility);
+        scene.check()?;
+        let start = Instant::now();
         let (bvh, table) = (Bvh::build(&scene.mesh, options.build)?, SurfaceTable::new(scene));
-        Ok(Stage { scene, options: *options, kernels, bvh, table })
+        let build_seconds = start.elapsed().as_secs_f64();
+        Ok(Stage { scene, options: *options, kernels, bvh, table, build_seconds })
     }
 
     /// The image cut into tiles of `side` pixels, in the stage's order.
     pub fn tiles(&self, side: u32) -> Vec<Tile> {
         let [width, height] = self.options.size;
         tiles(width, height, side, self.options.order)
-    }
-
-    /// Instruction set of the kernels.
-    pub fn isa(&self) -> &'static str {
-        self.kernels.isa().name()
     }
 
     /// Calls `body` with workers that render this scene.
@@ -78,6 +81,16 @@ impl Session<'_, '_> {
     /// # Errors
     /// As [`Master::run_frame`]; the film is black then.
     pub fn frame(&mut self, schedule: Schedule, tiles: &[Tile], control: &Control) -> Result<FrameStats> {
+        self.counted_frame(schedule, tiles, control).map(|(stats, _)| stats)
+    }
+
+    /// The same, with the sum of what the tiles report.
+    pub(super) fn counted_frame(
+        &mut self,
+        schedule: Schedule,
+        tiles: &[Tile],
+        control: &Control,
+    ) -> Result<(FrameStats, TileReport)> {
         let (width, height) = (self.film.width(), self.film.height());
         let film = std::mem::replace(&mut self.film, Film::new(0, 0));
         let frame = Frame { camera: self.camera, film, mode: schedule.film };
@@ -86,7 +99,7 @@ impl Session<'_, '_> {
         match self.master.run_frame(schedule, frame, tiles, control, collect) {
             Ok((frame, stats)) => {
                 self.film = frame.film;
-                Ok(stats)
+                Ok((stats, sum))
             }
             Err(error) => {
                 self.film = Film::new(width, height);
@@ -98,5 +111,10 @@ impl Session<'_, '_> {
     /// The last frame's image.
     pub fn film(&self) -> &Film {
         &self.film
+    }
+
+    /// Takes the film away; only for after the last frame.
+    pub(super) fn take_film(&mut self) -> Film {
+        std::mem::replace(&mut self.film, Film::new(0, 0))
     }
 }

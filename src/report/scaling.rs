@@ -185,6 +185,10 @@ fn percent(share: f64) -> String {
     format!("{:.1} %", share * 100.0)
 }
 
+fn head(row: &ScalingRow) -> [Cell; 3] {
+    [row.scene.as_str().into(), row.schedule.strategy.name().into(), row.schedule.film.name().into()]
+}
+
 /// Where each worker's time went in the median frame, at the largest measured number of workers, and the messages.
 pub fn idle_table(rows: &[ScalingRow]) -> Table {
     let mut table = Table::new([
@@ -209,10 +213,7 @@ pub fn idle_table(rows: &[ScalingRow]) -> Table {
         for (number, worker) in row.frame.workers.iter().enumerate() {
             // Messages are counted for all workers together.
             let once = |cell: Cell| if number == 0 { cell } else { Cell::Missing };
-            table.push([
-                row.scene.as_str().into(),
-                row.schedule.strategy.name().into(),
-                row.schedule.film.name().into(),
+            table.push(head(row).into_iter().chain([
                 number.into(),
                 worker.tiles.into(),
                 worker.steals.into(),
@@ -224,7 +225,7 @@ pub fn idle_table(rows: &[ScalingRow]) -> Table {
                 once(row.frame.tasks.count.into()),
                 once(row.frame.reports.count.into()),
                 once((row.frame.reports.latency() * 1e6).into()),
-            ]);
+            ]));
         }
     }
     table
@@ -245,17 +246,14 @@ pub fn validation_table(rows: &[ScalingRow]) -> Table {
     ]);
     for row in rows.iter().filter(|row| row.workers > 1) {
         let Some(predicted) = row.predicted else { continue };
-        table.push([
-            row.scene.as_str().into(),
-            row.schedule.strategy.name().into(),
-            row.schedule.film.name().into(),
+        table.push(head(row).into_iter().chain([
             row.workers.into(),
             percent(row.efficiency).into(),
             percent(row.fastest).into(),
             percent(predicted).into(),
             format!("{:+.1}", (predicted - row.efficiency) * 100.0).into(),
             format!("{:+.1}", (predicted - row.fastest) * 100.0).into(),
-        ]);
+        ]));
     }
     table
 }
@@ -268,14 +266,11 @@ pub fn limits_table(rows: &[ScalingRow]) -> Table {
         let limits = row.limits();
         let text = limits.iter().filter(|limit| limit.1 >= 0.005).take(3);
         let text: Vec<String> = text.map(|(name, share)| format!("{name} {}", percent(*share))).collect();
-        table.push([
-            row.scene.as_str().into(),
-            row.schedule.strategy.name().into(),
-            row.schedule.film.name().into(),
+        table.push(head(row).into_iter().chain([
             format!("{}{}", row.workers, if row.simulated { " *" } else { "" }).into(),
             percent(row.efficiency).into(),
             if text.is_empty() { "nothing above 0.5 %".into() } else { text.join(", ").into() },
-        ]);
+        ]));
     }
     table
 }

@@ -131,64 +131,49 @@ fn light_table(points: &[Point]) -> Table {
 
 /// Plots by file name.
 pub fn sweep_plots(findings: &[Finding]) -> Vec<(&'static str, Plot)> {
-    let chosen = |start: &str, end: &str, against: &str| -> Vec<Series> {
-        let wanted = |finding: &&Finding| {
-            finding.what.starts_with(start) && finding.what.ends_with(end) && finding.against == against
-        };
-        findings.iter().filter(wanted).map(series).collect()
-    };
-    let plot = |title: &str, x: &str, series| Plot {
-        title: title.into(),
-        x: x.into(),
-        y: "gain in %".into(),
-        series,
-    };
-    vec![
-        (
-            "same-triangle.svg",
-            plot("Same triangle as before, over scanline", TRIANGLE_SIZE, chosen("same", "", TRIANGLE_SIZE)),
-        ),
-        (
-            "same-triangle-by-likeness.svg",
-            plot("Same triangle as before, over scanline", LIKENESS, chosen("same", "", LIKENESS)),
-        ),
-        (
-            "occ-successes.svg",
-            plot("Successes of OCC, over scanline", OCCLUDED, chosen("successes", "", OCCLUDED)),
-        ),
+    // File, title, what the gains are against, and how the names of the findings begin and end.
+    [
+        ("same-triangle.svg", "Same triangle as before, over scanline", TRIANGLE_SIZE, "same", ""),
+        ("same-triangle-by-likeness.svg", "Same triangle as before, over scanline", LIKENESS, "same", ""),
+        ("occ-successes.svg", "Successes of OCC, over scanline", OCCLUDED, "successes", ""),
         (
             "hilbert-by-cache.svg",
-            plot(
-                "SET-OCC-PET: tests saved by hilbert over scanline, by cache",
-                TRIANGLE_SIZE,
-                chosen("work with", "hilbert over scanline", TRIANGLE_SIZE),
-            ),
+            "SET-OCC-PET: tests saved by hilbert over scanline, by cache",
+            TRIANGLE_SIZE,
+            "work with",
+            "hilbert over scanline",
         ),
         (
             "caches-scanline.svg",
-            plot(
-                "SET-OCC-PET in scanline order: tests saved over the previous ray alone",
-                TRIANGLE_SIZE,
-                chosen("work in scanline order: cache", "", TRIANGLE_SIZE),
-            ),
+            "SET-OCC-PET in scanline order: tests saved over the previous ray alone",
+            TRIANGLE_SIZE,
+            "work in scanline order: cache",
+            "",
         ),
         (
             "caches-hilbert.svg",
-            plot(
-                "SET-OCC-PET in hilbert order: tests saved over the previous ray alone",
-                TRIANGLE_SIZE,
-                chosen("work in hilbert order: cache", "", TRIANGLE_SIZE),
-            ),
+            "SET-OCC-PET in hilbert order: tests saved over the previous ray alone",
+            TRIANGLE_SIZE,
+            "work in hilbert order: cache",
+            "",
         ),
         (
             "techniques.svg",
-            plot(
-                "Techniques in hilbert order: tests saved over base",
-                LIGHTS,
-                chosen("work in hilbert", "base", LIGHTS),
-            ),
+            "Techniques in hilbert order: tests saved over base",
+            LIGHTS,
+            "work in hilbert",
+            "base",
         ),
     ]
+    .into_iter()
+    .map(|(file, title, against, start, end)| {
+        let wanted = |finding: &&Finding| {
+            finding.what.starts_with(start) && finding.what.ends_with(end) && finding.against == against
+        };
+        let series = findings.iter().filter(wanted).map(series).collect();
+        (file, Plot { title: title.into(), x: against.into(), y: "gain in %".into(), series })
+    })
+    .collect()
 }
 
 fn series(finding: &Finding) -> Series {

@@ -1,14 +1,17 @@
 //! `irt bench`.
 
 use super::{
-    args::{BenchArgs, Talk},
+    args::Talk,
+    common::{each_scene, once_each, specs},
     export::TableExports,
-    interrupt, terminal,
+    interrupt,
+    study_args::BenchArgs,
+    terminal,
 };
 use crate::{
     error::Result,
     report::{BenchRow, bench_summary, bench_table, builds_table, micro_table},
-    scene::{Scene, load},
+    scene::Scene,
     study::bench::{BenchOptions, Row, bench, best_rows, builds, check, micro, micro_verdict, verdict},
 };
 
@@ -33,27 +36,27 @@ pub(super) fn run(args: &BenchArgs, talk: Talk) -> Result<()> {
     let exports = TableExports::open(&args.export)?;
     if args.builds {
         let tree = |scene: &Scene, place: &str| {
-            builds(scene, &options, |what| tell(talk, &format!("{place}: {what}")))
+            builds(scene, &options, |what| terminal::tell(talk, &format!("{place}: {what}")))
         };
-        let rows = each_scene(args, tree)?;
+        let rows = of_each_scene(args, tree)?;
         exports.write(&builds_table(&rows, &options.kinds))?;
         let traced: Vec<Row> = rows.into_iter().flat_map(|row| row.traced).collect();
         return verdict(&traced);
     }
     if args.micro {
         let steps = |scene: &Scene, place: &str| {
-            tell(talk, &format!("{place}: steps"));
+            terminal::tell(talk, &format!("{place}: steps"));
             micro(scene, &options)
         };
-        let rows = each_scene(args, steps)?;
+        let rows = of_each_scene(args, steps)?;
         exports.write(&micro_table(&rows))?;
         return micro_verdict(&rows);
     }
     let kernels = |scene: &Scene, place: &str| {
-        tell(talk, &format!("{place}: trees"));
-        bench(scene, &options, |kind| tell(talk, &format!("{place}: {kind} rays")))
+        terminal::tell(talk, &format!("{place}: trees"));
+        bench(scene, &options, |kind| terminal::tell(talk, &format!("{place}: {kind} rays")))
     };
-    let rows = each_scene(args, kernels)?;
+    let rows = of_each_scene(args, kernels)?;
 
     let shown = if args.all_modes || talk.verbose { rows.clone() } else { best_rows(&rows) };
     let table = bench_table(&shown);
@@ -61,20 +64,16 @@ pub(super) fn run(args: &BenchArgs, talk: Talk) -> Result<()> {
     let told = format!("{}\n{}", table.to_terminal(), summary.to_terminal());
     let stdout_taken = exports.is_stdout();
     exports.write_files(&shown.iter().map(BenchRow::from).collect::<Vec<_>>(), &table)?;
-    match (stdout_taken, talk.quiet) {
-        (false, _) => terminal::print(&told)?,
-        (true, false) => terminal::note(&told),
-        (true, true) => {}
-    }
+    terminal::results(&told, stdout_taken, talk)?;
     verdict(&rows)
 }
 
 fn options(args: &BenchArgs) -> BenchOptions {
     BenchOptions {
-        kinds: once_each(&args.kinds),
-        engines: once_each(&args.engines),
+        kinds: once_each(args.kinds.iter().copied()),
+        engines: once_each(args.engines.iter().copied()),
         isa: args.isa.isa(),
-        visibility: once_each(&args.visibility),
+        visibility: once_each(args.visibility.iter().copied()),
         rounds: args.rounds,
         threads: args.threads,
         pin: args.pin.pin(),
@@ -83,40 +82,14 @@ fn options(args: &BenchArgs) -> BenchOptions {
     }
 }
 
-/// What is named twice is measured once.
-fn once_each<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
-    let mut once = Vec::new();
-    for item in list {
-        if !once.contains(item) {
-            once.push(*item);
-        }
-    }
-    once
-}
-
-fn tell(talk: Talk, text: &str) {
-    if !talk.quiet {
-        terminal::note(&format!("irt: {text}\n"));
-    }
-}
-
-/// What `measure` finds out about all scenes; it also gets the name to tell people.
-fn each_scene<T>(args: &BenchArgs, measure: impl Fn(&Scene, &str) -> Result<Vec<T>>) -> Result<Vec<T>> {
-    let scenes: Vec<&str> = match &args.scenes[..] {
-        [] if args.micro => vec![STEPS_OF],
-        [] => SCENES.to_vec(),
-        named => named.iter().map(String::as_str).collect(),
-    };
+/// What `measure` finds out about all scenes; it also gets what to tell people.
+fn of_each_scene<T>(args: &BenchArgs, measure: impl Fn(&Scene, &str) -> Result<Vec<T>>) -> Result<Vec<T>> {
+    let unless_named: &[&str] = if args.micro { &[STEPS_OF] } else { &SCENES };
     let mut rows = Vec::new();
-    for (index, spec) in once_each(&scenes).into_iter().enumerate() {
-        let scene = load(spec)?;
-        let place = format!("scene {} of {}, {}", index + 1, scenes.len(), scene.name);
-        scene.warnings.iter().for_each(|warning| log::warn!("{warning}"));
-        if scene.lights.is_empty() {
-            log::warn!("{} has no light, so that there are no shadow rays", scene.name);
-        }
-        rows.extend(measure(&scene, &place)?);
-    }
+    each_scene(&specs(&args.scenes, unless_named), |_, scene, place| {
+        rows.extend(measure(scene, place)?);
+        Ok(())
+    })?;
     Ok(rows)
 }
 

@@ -1,23 +1,25 @@
 //! `irt coherence`.
 
 use super::{
-    args::{CoherenceArgs, Talk},
+    args::Talk,
+    common::{each_scene, make_folder, once_each, specs, write_text},
     export::TableExports,
-    interrupt, terminal,
+    interrupt,
+    study_args::CoherenceArgs,
+    terminal,
 };
 use crate::{
-    error::{Error, Result},
+    error::Result,
     film::Film,
-    output::{OutputFile, PendingFile},
+    output::OutputFile,
     render::choose_kernels,
     report::{Report, coherence_report, finding_table, sweep_plots, sweep_report},
-    scene::{Scene, load, procedural},
+    scene::procedural,
     study::coherence::{
         CoherenceOptions, SceneCoherence, coherence, findings, primary_map, shadow_map, sweep,
     },
-    tile::Order,
 };
-use std::{io::Write, path::Path};
+use std::path::Path;
 
 /// Scenes unless others are named: those built in as counterparts of the thesis' five.
 const SCENES: [&str; 5] = ["statue", "office", "nave", "atrium", "hall"];
@@ -27,7 +29,8 @@ const SIZE: [u32; 2] = [256; 2];
 /// Repeats the thesis' study of coherence.
 ///
 /// # Errors
-/// Whatever is wrong with the arguments, a scene or an export; [`Error::Failed`] if a pass gives another image.
+/// Whatever is wrong with the arguments, a scene or an export; [`crate::error::Error::Failed`] if a pass gives another
+/// image.
 pub(super) fn run(args: &CoherenceArgs, talk: Talk) -> Result<()> {
     let options = options(args);
     choose_kernels(options.isa)?;
@@ -40,8 +43,8 @@ pub(super) fn run(args: &CoherenceArgs, talk: Talk) -> Result<()> {
         return sweep_all(args, talk, exports);
     }
     let mut measured = Vec::new();
-    each_scene(args, |scene, place| {
-        let result = coherence(scene, &options, |what| tell(talk, &format!("{place}: {what}")))?;
+    each_scene(&specs(&args.scenes, &SCENES), |_, scene, place| {
+        let result = coherence(scene, &options, |what| terminal::tell(talk, &format!("{place}: {what}")))?;
         if let Some(folder) = &args.maps {
             write_maps(folder, &result)?;
         }
@@ -58,36 +61,27 @@ const SIDES: [u32; 3] = [64, 128, 256];
 /// `irt coherence --sweep`.
 fn sweep_all(args: &CoherenceArgs, talk: Talk, exports: TableExports) -> Result<()> {
     let mut points = Vec::new();
-    for scene in scenes(args) {
-        let built_in = procedural::NAMES.contains(&scene);
-        let specs: Vec<String> = if built_in {
-            DETAILS.iter().map(|detail| format!("{scene}{detail}")).collect()
-        } else {
-            vec![scene.into()]
-        };
-        for spec in specs {
-            let scene = load(&spec)?;
-            for side in SIDES {
-                tell(talk, &format!("{spec}, {side}x{side}"));
-                points.extend(sweep(&scene, &spec, [side; 2], args.isa.isa(), args.build)?);
-            }
+    let in_details = |scene: &str| match procedural::NAMES.contains(&scene) {
+        true => DETAILS.map(|detail| format!("{scene}{detail}")).to_vec(),
+        false => vec![scene.to_string()],
+    };
+    let all: Vec<String> = specs(&args.scenes, &SCENES).into_iter().flat_map(in_details).collect();
+    each_scene(&specs(&all, &[]), |spec, scene, _| {
+        for side in SIDES {
+            terminal::tell(talk, &format!("{spec}, {side}x{side}"));
+            points.extend(sweep(scene, spec, [side; 2], args.kernels.isa(), args.kernels.build)?);
         }
-    }
+        Ok(())
+    })?;
     let findings = findings(&points);
     if let Some(folder) = &args.plots {
         for (name, plot) in sweep_plots(&findings) {
-            let svg = plot.to_svg()?;
-            PendingFile::create(&folder.join(name))?.complete(|out| out.write_all(svg.as_bytes()))?;
+            write_text(&folder.join(name), &plot.to_svg()?)?;
         }
     }
     let taken = exports.is_stdout();
     exports.write_report(&sweep_report(&points, &findings))?;
     if taken { Ok(()) } else { terminal::print(&finding_table(&findings).to_terminal()) }
-}
-
-fn scenes(args: &CoherenceArgs) -> Vec<&str> {
-    let named: Vec<&str> = args.scenes.iter().map(String::as_str).collect();
-    if named.is_empty() { SCENES.to_vec() } else { named }
 }
 
 fn show(exports: TableExports, report: &Report) -> Result<()> {
@@ -97,47 +91,17 @@ fn show(exports: TableExports, report: &Report) -> Result<()> {
 }
 
 fn options(args: &CoherenceArgs) -> CoherenceOptions {
-    let mut orders: Vec<Order> = Vec::new();
-    for &order in &args.orders {
-        if !orders.contains(&order) {
-            orders.push(order);
-        }
-    }
     CoherenceOptions {
-        isa: args.isa.isa(),
-        build: args.build,
+        isa: args.kernels.isa(),
+        build: args.kernels.build,
         size: args.size.unwrap_or(SIZE),
-        orders,
+        orders: once_each(args.orders.iter().copied()),
         tile: args.tile,
         rounds: args.rounds,
         shadow_rays: args.shadow_rays,
         end_at_light: args.end_at_light,
         caches: !args.no_caches,
     }
-}
-
-fn each_scene(args: &CoherenceArgs, mut measure: impl FnMut(&Scene, &str) -> Result<()>) -> Result<()> {
-    let scenes = scenes(args);
-    for (index, spec) in scenes.iter().enumerate() {
-        let scene = load(spec)?;
-        scene.warnings.iter().for_each(|warning| log::warn!("{warning}"));
-        if scene.lights.is_empty() {
-            log::warn!("{} has no light, so that there are no shadow rays", scene.name);
-        }
-        measure(&scene, &format!("scene {} of {}, {}", index + 1, scenes.len(), scene.name))?;
-    }
-    Ok(())
-}
-
-fn tell(talk: Talk, text: &str) {
-    if !talk.quiet {
-        terminal::note(&format!("irt: {text}\n"));
-    }
-}
-
-fn make_folder(folder: &Path) -> Result<()> {
-    std::fs::create_dir_all(folder)
-        .map_err(|error| Error::file(folder, format!("cannot be made ({error})"), "name another folder"))
 }
 
 /// Figures 15 to 30: a map of each kind for each order.

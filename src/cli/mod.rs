@@ -9,6 +9,7 @@
 mod args;
 mod bench;
 mod coherence;
+mod common;
 mod effects;
 mod export;
 mod inspect;
@@ -18,6 +19,7 @@ mod render;
 mod scaling;
 mod scenes;
 mod stability;
+mod study_args;
 mod terminal;
 mod trace;
 mod usage;

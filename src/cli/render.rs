@@ -47,14 +47,7 @@ pub(super) fn run(args: &RenderArgs, talk: Talk) -> Result<()> {
     let summary = summarise(&scene, &options, &rendered, load_seconds, write_seconds);
     let stdout_taken = export.is_stdout();
     export.write(|| to_json(&summary))?;
-    match (talk.quiet, stdout_taken) {
-        (true, _) => Ok(()),
-        (false, true) => {
-            terminal::note(&summary.to_string());
-            Ok(())
-        }
-        (false, false) => terminal::print(&summary.to_string()),
-    }
+    if talk.quiet { Ok(()) } else { terminal::results(&summary.to_string(), stdout_taken, talk) }
 }
 
 fn render_with_progress(scene: &Scene, options: &RenderOptions, talk: Talk) -> Result<Rendered> {

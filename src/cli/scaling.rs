@@ -1,25 +1,27 @@
 //! `irt scaling`.
 
 use super::{
-    args::{ScalingArgs, Talk},
+    args::Talk,
+    common::{each_scene, make_folder, once_each, specs, write_text},
     export::TableExports,
-    interrupt, options, terminal,
+    interrupt, options,
+    study_args::ScalingArgs,
+    terminal,
 };
 use crate::{
     error::{Error, Result},
     kernels::Visibility,
-    output::{OutputFile, PendingFile},
+    output::OutputFile,
     render::{RenderOptions, choose_kernels},
     report::{
         ScalingRecord, idle_table, limits_table, scaling_table, significant, sizes_table, thesis_table,
         timeline_svg, timeline_trace, to_json, validation_table, worker_map,
     },
-    scene::{Scene, load},
+    scene::Scene,
     schedule::{Control, FilmMode, Machine, Placement, Schedule, Strategy},
     study::scaling::{Costs, ScalingOptions, ScalingRow, overhead_per_tile, scaling, tile_sizes},
     trace::{EarlyTermination, KernelChoice},
 };
-use std::io::Write;
 use std::path::Path;
 
 /// Scenes unless others are named: those built in as counterparts of the thesis' four.
@@ -33,33 +35,36 @@ const SIDES: [u32; 6] = [16, 32, 64, 128, 256, 512];
 /// Whatever is wrong with the arguments, a scene or an export; [`Error::Failed`] if two strategies give different
 /// images.
 pub(super) fn run(args: &ScalingArgs, talk: Talk) -> Result<()> {
-    choose_kernels(args.isa.isa())?;
+    choose_kernels(args.kernels.isa())?;
+    let schedule = if args.tiles { Some(one_schedule(args)?) } else { None };
     interrupt::install()?;
     let exports = TableExports::open(&args.export)?;
     if let Some(folder) = &args.pictures {
-        std::fs::create_dir_all(folder).map_err(|error| {
-            Error::file(folder, format!("the folder cannot be created ({error})"), "choose another one")
-        })?;
+        make_folder(folder)?;
     }
     let pin = args.pin.pin();
     Placement::new(Machine::get(), None, pin).notes().iter().for_each(|note| log::warn!("{note}"));
     let costs = Costs::measure(pin)?;
-    if args.tiles { sizes(args, talk, &costs, exports) } else { strategies(args, talk, &costs, exports) }
+    match schedule {
+        Some(schedule) => sizes(args, schedule, talk, &costs, exports),
+        None => strategies(args, talk, &costs, exports),
+    }
 }
 
 fn strategies(args: &ScalingArgs, talk: Talk, costs: &Costs, exports: TableExports) -> Result<()> {
     let mut told = told_costs(costs, args.pin.pin())?;
     let mut all: Vec<ScalingRow> = vec![];
-    for (spec, scene) in scenes(args, talk)? {
+    each_scene(&specs(&args.scenes, &SCENES), |spec, scene, place| {
+        terminal::tell(talk, place);
         let options = ScalingOptions {
-            render: render_options(args, &scene)?,
+            render: render_options(args, scene)?,
             schedules: schedules(args),
             workers: sorted(&args.workers),
             rounds: args.rounds,
             network: args.network,
             thesis_scene: thesis_scene(spec),
         };
-        let rows = scaling(&scene, &options, costs, &Control::new(interrupt::flag(), &|_| {}))?;
+        let rows = scaling(scene, &options, costs, &Control::new(interrupt::flag(), &|_| {}))?;
         if let Some(folder) = &args.pictures {
             rows.iter().try_for_each(|row| pictures(folder, row, options.render.size))?;
         }
@@ -68,7 +73,8 @@ fn strategies(args: &ScalingArgs, talk: Talk, costs: &Costs, exports: TableExpor
             told += &thesis_table(&rows, &scene.name, film).to_terminal();
         }
         all.extend(rows);
-    }
+        Ok(())
+    })?;
     told += "* simulated. A cell is frames per second and efficiency T1 / (n Tn).\n";
     for table in [idle_table(&all), validation_table(&all), limits_table(&all)] {
         if !table.rows().is_empty() {
@@ -78,44 +84,48 @@ fn strategies(args: &ScalingArgs, talk: Talk, costs: &Costs, exports: TableExpor
     let records: Vec<ScalingRecord> = all.iter().map(ScalingRecord::from).collect();
     let taken = exports.is_stdout();
     exports.write_files(&records, &scaling_table(&all))?;
-    tell_result(taken, talk, &told)
+    terminal::results(&told, taken, talk)
 }
 
-fn sizes(args: &ScalingArgs, talk: Talk, costs: &Costs, exports: TableExports) -> Result<()> {
+fn sizes(
+    args: &ScalingArgs,
+    schedule: Schedule,
+    talk: Talk,
+    costs: &Costs,
+    exports: TableExports,
+) -> Result<()> {
     let mut all = vec![];
-    for (_, scene) in scenes(args, talk)? {
-        let render = RenderOptions {
-            schedule: Schedule {
-                strategy: args.strategies.first().copied().unwrap_or_default(),
-                film: args.films.first().copied().unwrap_or_default(),
-            },
-            ..render_options(args, &scene)?
-        };
+    each_scene(&specs(&args.scenes, &SCENES), |_, scene, place| {
+        terminal::tell(talk, place);
+        let render = RenderOptions { schedule, ..render_options(args, scene)? };
         let [width, height] = render.size;
         let sides: Vec<u32> = SIDES.into_iter().filter(|&side| side <= width.max(height)).collect();
         let control = Control::new(interrupt::flag(), &|_| {});
-        all.extend(tile_sizes(
-            &scene,
-            &render,
-            &sides,
-            &sorted(&args.workers),
-            args.rounds,
-            costs,
-            &control,
-        )?);
-    }
+        let workers = sorted(&args.workers);
+        all.extend(tile_sizes(scene, &render, &sides, &workers, args.rounds, costs, &control)?);
+        Ok(())
+    })?;
     exports.write(&sizes_table(&all))
 }
 
-fn tell_result(taken: bool, talk: Talk, told: &str) -> Result<()> {
-    match (taken, talk.quiet) {
-        (false, _) => terminal::print(told),
-        (true, false) => {
-            terminal::note(told);
-            Ok(())
-        }
-        (true, true) => Ok(()),
+/// The schedule under which `--tiles` compares sizes.
+fn one_schedule(args: &ScalingArgs) -> Result<Schedule> {
+    let Some(strategy) = at_most_one(&args.strategies) else { return Err(too_many("--strategies")) };
+    let Some(film) = at_most_one(&args.films) else { return Err(too_many("--films")) };
+    Ok(Schedule { strategy, film })
+}
+
+/// The one that is named, or the default; `None` if there are several.
+fn at_most_one<T: Copy + Default + PartialEq>(named: &[T]) -> Option<T> {
+    match once_each(named.iter().copied())[..] {
+        [] => Some(T::default()),
+        [one] => Some(one),
+        _ => None,
     }
+}
+
+fn too_many(flag: &str) -> Error {
+    Error::flag(flag, "--tiles compares sizes under one of them only", "name one, or leave the flag out")
 }
 
 /// What the scheduler itself takes on this machine.
@@ -138,24 +148,6 @@ fn told_costs(costs: &Costs, pin: bool) -> Result<String> {
     Ok(told)
 }
 
-fn scenes(args: &ScalingArgs, talk: Talk) -> Result<Vec<(&str, Scene)>> {
-    let specs: Vec<&str> = match &args.scenes[..] {
-        [] => SCENES.to_vec(),
-        named => named.iter().map(String::as_str).collect(),
-    };
-    specs
-        .into_iter()
-        .map(|spec| {
-            if !talk.quiet {
-                terminal::note(&format!("irt: {spec}\n"));
-            }
-            let scene = load(spec)?;
-            scene.warnings.iter().for_each(|warning| log::warn!("{warning}"));
-            Ok((spec, scene))
-        })
-        .collect()
-}
-
 /// The thesis' name of a scene that was described after it.
 fn thesis_scene(spec: &str) -> Option<String> {
     let path = Path::new(spec);
@@ -164,16 +156,12 @@ fn thesis_scene(spec: &str) -> Option<String> {
 }
 
 fn schedules(args: &ScalingArgs) -> Vec<Schedule> {
-    Strategy::ALL
-        .into_iter()
-        .filter(|strategy| args.strategies.is_empty() || args.strategies.contains(strategy))
-        .flat_map(|strategy| {
-            FilmMode::ALL
-                .into_iter()
-                .filter(|film| args.films.is_empty() || args.films.contains(film))
-                .map(move |film| Schedule { strategy, film })
-        })
-        .collect()
+    let ScalingArgs { strategies, films, .. } = args;
+    let asked_for = |schedule: &Schedule| {
+        (strategies.is_empty() || strategies.contains(&schedule.strategy))
+            && (films.is_empty() || films.contains(&schedule.film))
+    };
+    Schedule::all().filter(asked_for).collect()
 }
 
 fn sorted(workers: &[usize]) -> Vec<usize> {
@@ -187,7 +175,7 @@ fn render_options(args: &ScalingArgs, scene: &Scene) -> Result<RenderOptions> {
     let size = args.size.unwrap_or(scene.size);
     options::check_tiles(size, args.tile)?;
     Ok(RenderOptions {
-        isa: args.isa.isa(),
+        isa: args.kernels.isa(),
         visibility: Visibility::default(),
         kernel: KernelChoice::default(),
         threads: None,
@@ -197,7 +185,7 @@ fn render_options(args: &ScalingArgs, scene: &Scene) -> Result<RenderOptions> {
         tile: args.tile,
         size,
         frames: 1,
-        build: args.build,
+        build: args.kernels.build,
         early: EarlyTermination::default(),
         seed: 0,
     })
@@ -217,9 +205,7 @@ fn pictures(folder: &Path, row: &ScalingRow, size: [u32; 2]) -> Result<()> {
         if row.simulated { " (simulated)" } else { "" },
         significant(row.frame.seconds * 1e3, 4)
     );
-    let text =
-        |path: &Path, text: String| PendingFile::create(path)?.complete(|out| out.write_all(text.as_bytes()));
-    text(&file("svg"), timeline_svg(&title, &row.frame))?;
-    text(&file("trace.json"), to_json(&timeline_trace(&row.frame))?)?;
+    write_text(&file("svg"), &timeline_svg(&title, &row.frame))?;
+    write_text(&file("trace.json"), &to_json(&timeline_trace(&row.frame))?)?;
     OutputFile::create(&file("png"))?.write(&worker_map(&row.frame, size), 0.0)
 }

@@ -1,9 +1,10 @@
 //! `irt stability`.
 
 use super::{
-    args::{StabilityArgs, Talk},
+    args::Talk,
     export::TableExports,
     interrupt,
+    study_args::StabilityArgs,
     terminal::{self, Meter},
 };
 use crate::{
@@ -43,11 +44,7 @@ pub(super) fn run(args: &StabilityArgs, talk: Talk) -> Result<()> {
     let told = told(&report, &options, talk.verbose.then_some(&cells));
     let stdout_taken = exports.is_stdout();
     exports.write_files(&Export::new(&report, &options, &cells), &cells)?;
-    match (stdout_taken, talk.quiet) {
-        (false, _) => terminal::print(&told)?,
-        (true, false) => terminal::note(&told),
-        (true, true) => {}
-    }
+    terminal::results(&told, stdout_taken, talk)?;
     report.verdict()
 }
 

@@ -22,6 +22,27 @@ pub(super) fn print(text: &str) -> Result<()> {
     }
 }
 
+/// Tells people the results: on standard output, or, if an export has `taken` that, on standard error unless they want
+/// it quiet.
+///
+/// # Errors
+/// As [`print`].
+pub(super) fn results(text: &str, taken: bool, talk: Talk) -> Result<()> {
+    match (taken, talk.quiet) {
+        (false, _) => return print(text),
+        (true, false) => note(text),
+        (true, true) => {}
+    }
+    Ok(())
+}
+
+/// Tells what is being worked on, unless people want it quiet.
+pub(super) fn tell(talk: Talk, text: &str) {
+    if !talk.quiet {
+        note(&format!("irt: {text}\n"));
+    }
+}
+
 /// Writes what is not a result.
 pub(super) fn note(text: &str) {
     // If standard error fails, there is nobody left to tell.

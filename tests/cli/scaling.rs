@@ -1,6 +1,6 @@
 //! `irt scaling`.
 
-use super::Folder;
+use super::{Folder, folder_with_scenes};
 use serde_json::Value;
 use std::fs;
 
@@ -64,6 +64,28 @@ fn scaling_tells_tables_and_writes_pictures() {
 }
 
 #[test]
+fn scenes_of_the_thesis_have_its_figures_beside_them() {
+    let folder = folder_with_scenes();
+    fs::create_dir(folder.path().join("thesis")).unwrap();
+    for file in ["square.obj", "square.toml"] {
+        let name = file.replace("square.toml", "bunny.toml");
+        fs::rename(folder.path().join(file), folder.path().join("thesis").join(name)).unwrap();
+    }
+    let flags =
+        "--size 16x16 --tile 16 --rounds 1 --workers 1,16,1000 --strategies dynamic,stealing --films shared";
+    let text = folder.run(&format!("scaling thesis/bunny.toml {flags} --export-json a.json"));
+    assert!(text.contains("15.50 92.4 %"), "16 workers in table 2: {text}");
+    let rows = rows(&fs::read_to_string(folder.path().join("a.json")).unwrap());
+    let of = |strategy: &str, workers: u64| {
+        let row = rows.iter().find(|row| row["strategy"] == strategy && row["workers"] == workers).unwrap();
+        (row["thesis_fps"].as_f64(), row["thesis_efficiency"].as_f64())
+    };
+    assert_eq!(of("dynamic", 1), (Some(1.0482), None));
+    assert_eq!(of("dynamic", 16), (Some(15.4969), Some(0.924_054)));
+    assert_eq!([of("dynamic", 1000), of("stealing", 16)], [(None, None); 2]);
+}
+
+#[test]
 fn scaling_compares_sizes_of_tiles() {
     let folder = Folder::new();
     let rows = rows(&folder.run(&format!("{SMALL} --tiles --workers 1,1000 --export-json -")));
@@ -88,6 +110,9 @@ fn mistakes_are_told_by_flag() {
         ("--network 0,10", "--network"),
         ("--rounds 0", "--rounds"),
         ("--tiles --pictures p", "--tiles"),
+        ("--tiles --network 10,10", "--tiles"),
+        ("--tiles --strategies static,dynamic", "--strategies"),
+        ("--tiles --films shared,messages", "--films"),
     ] {
         let message = folder.fail(&format!("scaling {flags}"), 2);
         assert!(message.starts_with(&format!("{named}: ")), "{flags}: {message}");

@@ -272,6 +272,28 @@ fn cancelling_ends_the_frame_and_keeps_the_workers() {
 }
 
 #[test]
+fn after_a_cancellation_no_worker_begins_another_tile() {
+    in_time(|| {
+        with_counting(1, |master| {
+            // With one parcel only, the worker cannot run ahead of the master.
+            for strategy in [Strategy::Static, Strategy::StaticCyclic] {
+                let schedule = Schedule { strategy, film: FilmMode::Messages };
+                let cancel = AtomicBool::new(false);
+                let progress = |_: Progress| cancel.store(true, Ordering::Relaxed);
+                let control = Control::new(&cancel, &progress);
+                let (tiles, mut ran) = (tiles(64, 64, 4, Order::Scanline), 0);
+                let frame = Visits::new(64, 64);
+                let result = master.run_frame(schedule, frame, &tiles, &control, |_, _, _| ran += 1);
+                assert!(matches!(result, Err(Error::Interrupted)), "{schedule:?}");
+                assert!(ran <= 2, "{schedule:?}: {ran} tiles ran");
+            }
+            Ok(())
+        })
+        .unwrap();
+    });
+}
+
+#[test]
 fn the_flag_is_seen_while_no_report_comes() {
     in_time(|| {
         with_counting(2, |master| {

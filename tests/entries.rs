@@ -38,7 +38,7 @@ const ALLOWED: [&str; 17] = [
     "core::result::unwrap_failed",
     // Lanes in doubt, decided exactly.
     "irt_kernels::generic::tile::triangles::settle",
-    "irt_kernels::generic::beam::triangles::settle",
+    "irt_kernels::generic::beam::rays::settle",
     "irt_kernels::generic::single::settle",
     "irt_kernels::generic::doubt::nearer",
     "irt_kernels::generic::probe::nearest_to_surface",

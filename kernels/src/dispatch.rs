@@ -109,8 +109,8 @@ impl Kernels {
 
     /// Which active rays of a packet something blocks within `tfar`: bit `i` of `blocked[s]` is ray `16 s + i`.
     ///
-    /// `seed` is a subtree to try first (often the leaf that blocked the previous packet), or
-    /// [`crate::EMPTY_NODE`]; it is replaced by the leaf that blocked a ray last. It affects time only.
+    /// `seed` is a leaf to try first (often what blocked the previous packet), or [`crate::EMPTY_NODE`]; it is replaced
+    /// by a leaf that blocked a ray last. It affects time only.
     #[inline]
     pub fn tile_occluded(
         &self,

@@ -39,10 +39,10 @@ macro_rules! lanes {
             $(
                 #[inline(always)]
                 fn $name $(<const $n: i32>)? (self, $($arg: $t),*) $(-> $r)? {
-                    // SAFETY: the token can only be had where its features were detected (see `Kernels::for_isa`),
-                    // and pointers come from references to arrays of the right length. Loads are transmutes, because the
-                    // intrinsics, which are only `#[inline]`, were seen to become calls.
+                    // Loads are transmutes, because the intrinsics, which are only `#[inline]`, were seen to become calls.
                     #[allow(unused_unsafe)]
+                    // SAFETY: the token can only be had where its features were detected (see `Kernels::for_isa`),
+                    // and pointers come from references to arrays of the right length.
                     unsafe { $e }
                 }
             )*

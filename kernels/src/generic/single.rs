@@ -201,6 +201,22 @@ pub(super) fn traverse<S: Simd, V: Policy, const ANY: bool>(
     }
 }
 
+/// Where the ray enters and leaves a node's children between two parameters, lane = child; rounding is still to be
+/// allowed for.
+#[inline(always)]
+pub(super) fn slabs<S: Simd>(s: S, node: &Node, ray: &TravRay, [lower, upper]: [f32; 2]) -> [F8<S>; 2] {
+    let mut near = F8::splat(s, lower);
+    let mut far = F8::splat(s, upper);
+    for axis in 0..3 {
+        let org = F8::splat(s, ray.org[axis]);
+        let rdir = F8::splat(s, ray.rdir[axis]);
+        let negative = ray.negative[axis] & 1;
+        near = ((F8::load(s, &node.bounds[2 * axis + negative]) - org) * rdir).max(near);
+        far = ((F8::load(s, &node.bounds[2 * axis + 1 - negative]) - org) * rdir).min(far);
+    }
+    [near, far]
+}
+
 /// Tests a node's children; pushes all that must be visited but the nearest, which becomes `next`. False if there is
 /// none.
 #[inline(always)]
@@ -212,15 +228,7 @@ fn children<S: Simd, V: Policy, const ANY: bool>(
     stack: &mut Stack<Entry>,
     next: &mut Entry,
 ) -> bool {
-    let mut near = F8::splat(s, ray.tnear);
-    let mut far = F8::splat(s, tfar);
-    for axis in 0..3 {
-        let org = F8::splat(s, ray.org[axis]);
-        let rdir = F8::splat(s, ray.rdir[axis]);
-        let negative = ray.negative[axis] & 1;
-        near = ((F8::load(s, &node.bounds[2 * axis + negative]) - org) * rdir).max(near);
-        far = ((F8::load(s, &node.bounds[2 * axis + 1 - negative]) - org) * rdir).min(far);
-    }
+    let [mut near, mut far] = slabs(s, node, ray, [ray.tnear, tfar]);
     if V::EXACT {
         // The signs of products are right, so widening by a factor suffices.
         near = near * F8::splat(s, SHRINK);

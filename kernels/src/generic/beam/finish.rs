@@ -4,7 +4,7 @@
 //! sub-packet go through the formula side by side in f64, once for each triangle among their hits. The operations per
 //! ray are those of [`Canonical::hit`] in the same order, so it does not matter for the result which way a ray goes.
 
-use super::{State, triangles::own};
+use super::{State, rays::own};
 use crate::{
     exact::{Canonical, wide},
     generic::{

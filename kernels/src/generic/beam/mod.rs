@@ -7,13 +7,15 @@
 //! * `prepare`: lines, and for each sub-packet and the whole beam the intervals that enclose them.
 //! * `walk`: the tree; boxes against the beam (lane = child), then against sub-packets (lane = sub-packet).
 //! * `triangles`: a leaf's triangles set up at once (lane = triangle), each against the sub-packets (lane =
-//!   sub-packet), and only where that leaves doubt against rays (lane = ray).
+//!   sub-packet).
+//! * `rays`: only where that leaves doubt, against rays (lane = ray).
 //! * `finish`: hits by the canonical formula, each with the ray's own origin.
 //!
 //! Rays that do not fit (another face, a sub-packet whose rays fly apart) are traced one by one.
 
 mod finish;
 mod prepare;
+mod rays;
 mod triangles;
 mod walk;
 
@@ -115,7 +117,7 @@ pub(crate) fn intersect<S: Simd, V: Policy>(
 
 /// Which active rays of the blocks that `picks` names anything blocks: bits like [`RayBlock::active`], by block.
 ///
-/// `seed` is a subtree to try first, typically the leaf that blocked the previous beam; it is replaced by the leaf
+/// `seed` is a leaf to try first, typically the one that blocked the previous beam; it is replaced by the leaf
 /// that blocked a ray last. It changes the time, never the answer. Returns what [`intersect`] does.
 #[inline(always)]
 pub(crate) fn occluded<S: Simd, V: Policy>(
@@ -129,7 +131,7 @@ pub(crate) fn occluded<S: Simd, V: Policy>(
     let mut state = State::new(s, blocks, picks);
     let together = state.live;
     let mut last = EMPTY_NODE;
-    if *seed != EMPTY_NODE && seed.is_leaf() && seed.block() < bvh.blocks.len() {
+    if seed.is_leaf() && seed.block() < bvh.blocks.len() {
         let subs = state.live_subs;
         last = triangles::leaf::<S, V, true>(s, bvh, blocks, picks, &mut state, *seed, subs, last);
     }

@@ -6,7 +6,7 @@ use crate::{
         F8,
         leaf::corners,
         shear::sheared,
-        single::{self, Best, GROW, SHRINK, TravRay},
+        single::{self, Best, GROW, SHRINK, TravRay, slabs},
         stack::Stack,
     },
     node::{BvhView, EMPTY_NODE, Node, NodeRef},
@@ -188,24 +188,10 @@ pub(super) fn traverse<S: Simd, V: Visit, C: Counter>(
     }
 }
 
-/// Pushes the children that the ray meets between two parameters, the first to be visited last. Boxes as in `single`.
+/// Pushes the children that the ray meets within a range of parameters, the first to be visited last.
 #[inline(always)]
-fn children<S: Simd, V: Visit>(
-    s: S,
-    node: &Node,
-    ray: &TravRay,
-    [lower, upper]: [f32; 2],
-    stack: &mut Stack<Entry>,
-) {
-    let mut near = F8::splat(s, lower);
-    let mut far = F8::splat(s, upper);
-    for axis in 0..3 {
-        let org = F8::splat(s, ray.org[axis]);
-        let rdir = F8::splat(s, ray.rdir[axis]);
-        let negative = ray.negative[axis] & 1;
-        near = ((F8::load(s, &node.bounds[2 * axis + negative]) - org) * rdir).max(near);
-        far = ((F8::load(s, &node.bounds[2 * axis + 1 - negative]) - org) * rdir).min(far);
-    }
+fn children<S: Simd, V: Visit>(s: S, node: &Node, ray: &TravRay, range: [f32; 2], stack: &mut Stack<Entry>) {
+    let [near, far] = slabs(s, node, ray, range);
     let near = near * F8::splat(s, SHRINK);
     let mut left = near.le(far * F8::splat(s, GROW)).bits();
     let keys = match V::ORDER {

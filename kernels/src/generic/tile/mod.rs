@@ -96,8 +96,8 @@ pub(crate) fn intersect<S: Simd, V: Policy>(
 
 /// The rays that something blocks between the origin and `tfar`, as bits like [`TilePacket::active`].
 ///
-/// `seed` is a subtree to try first, typically the leaf that blocked the previous packet; it is replaced by the leaf
-/// that blocked a ray last. It changes the time, never the answer. Returns what [`intersect`] does.
+/// `seed` is a leaf to try first, typically what blocked the previous packet; it is replaced by the triangle that blocked
+/// a ray last. It changes the time, never the answer. Returns what [`intersect`] does.
 #[inline(always)]
 pub(crate) fn occluded<S: Simd, V: Policy>(
     s: S,
@@ -111,7 +111,7 @@ pub(crate) fn occluded<S: Simd, V: Policy>(
     state.begin::<S, V>(s, packet);
     leaves.begin::<V>(bvh, packet);
     let started = state.live;
-    if *seed != EMPTY_NODE && seed.block() < bvh.blocks.len() {
+    if seed.is_leaf() && seed.block() < bvh.blocks.len() {
         let subs = state.live_subs;
         triangles::list::<S, V>(s, bvh, state, leaves, *seed, subs);
         triangles::work_off::<S, V, true>(s, bvh, packet, state, leaves);

@@ -65,8 +65,11 @@ fn the_tree_does_not_depend_on_the_number_of_threads() {
         for other in others {
             let (one, other) = (one.view(), other.view());
             assert_eq!(one.root, other.root, "{preset}");
-            let nodes = one.nodes.iter().map(|n| (n.bounds, n.child));
-            assert!(nodes.eq(other.nodes.iter().map(|n| (n.bounds, n.child))), "{preset}: other nodes");
+            let nodes = one.nodes.iter().map(|n| (n.bounds, n.child, n.order));
+            assert!(
+                nodes.eq(other.nodes.iter().map(|n| (n.bounds, n.child, n.order))),
+                "{preset}: other nodes"
+            );
             let prims = one.blocks.iter().map(|b| b.prim);
             assert!(prims.eq(other.blocks.iter().map(|b| b.prim)), "{preset}: other blocks");
         }

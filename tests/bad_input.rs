@@ -7,10 +7,18 @@ use irt::{
     camera::Camera,
     kernels::{
         EMPTY_NODE, Face, Flight, Hit, HitBlock, Pick, Ray, RayBlock, SUB, SUBS, TILE_RAYS, TileHits,
-        TilePacket, TileScratch,
+        TilePacket, TileScratch, Visibility,
     },
+    render::{RenderOptions, Stage, render},
     scene::{CameraDescription, Falloff, Light, Scene, procedural},
+    schedule::{Control, Schedule},
+    study::coherence::sweep,
+    tile::Order,
+    trace::{EarlyTermination, KernelChoice},
 };
+
+/// What was there before: no ray that takes part may keep it.
+const UNTOUCHED: Hit = Hit { prim: 12_345, t: -1.0, u: -1.0, v: -1.0 };
 
 const BAD: [f32; 4] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -f32::NAN];
 
@@ -60,8 +68,9 @@ fn a_ray_without_a_meaning_misses_and_leaves_its_neighbours_alone() {
         let blocked: Vec<u16> =
             wanted.iter().map(|of| (0..SUB).map(|i| u16::from(of.prim[i] != u32::MAX) << i).sum()).collect();
         for kernels in kernels() {
-            let (mut beams, mut flown) = (vec![HitBlock::splat(Hit::MISS); SUBS], vec![HitBlock::MISS; SUBS]);
-            let (mut stopped, mut grounded) = (vec![0; SUBS], vec![0; SUBS]);
+            let untouched = vec![HitBlock::splat(UNTOUCHED); SUBS];
+            let (mut beams, mut flown) = (untouched.clone(), untouched);
+            let (mut stopped, mut grounded) = (vec![u16::MAX; SUBS], vec![u16::MAX; SUBS]);
             kernels.beam_intersect(&view, &blocks, &picks, &mut beams);
             kernels.beam_occluded(&view, &blocks, &picks, &mut EMPTY_NODE.clone(), &mut stopped);
             kernels.intersect_each(&view, &blocks, &picks, &mut Flight::default(), &mut flown);
@@ -97,7 +106,9 @@ fn a_slope_without_a_meaning_misses_and_leaves_its_neighbours_alone() {
         }
         for kernels in kernels() {
             let (mut hits, mut scratch) = (TileHits::new(), TileScratch::new());
-            let (mut seed, mut blocked) = (EMPTY_NODE, [0; SUBS]);
+            hits.prim.fill(UNTOUCHED.prim);
+            hits.t.fill(UNTOUCHED.t);
+            let (mut seed, mut blocked) = (EMPTY_NODE, [u16::MAX; SUBS]);
             kernels.tile_intersect(&bvh.view(), &packet, &mut scratch, &mut hits);
             kernels.tile_occluded(&bvh.view(), &packet, &mut scratch, &mut seed, &mut blocked);
             for ray in 0..TILE_RAYS {
@@ -188,6 +199,36 @@ fn a_scene_built_by_a_program_is_checked() {
         spoil(&mut scene);
         let message = scene.check().expect_err(what).to_string();
         assert!(message.contains(what) && message.contains("; "), "{what}: {message}");
+    }
+}
+
+#[test]
+fn whatever_renders_or_studies_a_scene_checks_it_first() {
+    let mut scene = procedural::build("atrium", 0.1).expect("a built-in scene");
+    scene.mesh.triangles[5][2] = u32::MAX;
+    let options = RenderOptions {
+        isa: None,
+        kernel: KernelChoice::Tile,
+        visibility: Visibility::Exact,
+        threads: Some(1),
+        pin: false,
+        order: Order::Hilbert,
+        schedule: Schedule::default(),
+        tile: 32,
+        size: [40, 30],
+        frames: 1,
+        build: BuildPreset::Fast,
+        seed: 0,
+        early: EarlyTermination::FASTEST,
+    };
+    let refused = [
+        render(&scene, &options, &Control::unattended()).map(drop),
+        Stage::new(&scene, &options).map(drop),
+        sweep(&scene, "atrium", options.size, None, BuildPreset::Fast).map(drop),
+    ];
+    for error in refused {
+        let message = error.expect_err("triangle 5 has no such vertex").to_string();
+        assert!(message.contains("triangle 5 has a vertex that does not exist"), "{message}");
     }
 }
 

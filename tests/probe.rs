@@ -4,8 +4,8 @@ use crate::support::{Random, brute_force, kernels, soup, sphere};
 use irt::{
     bvh::{BuildPreset, Bvh},
     kernels::{
-        BvhView, Hit, MISS, NodeKind, NodeRef, Ray,
-        probe::{Blocked, Closest, Counts, NO_TRIANGLE, ProbeScratch},
+        BvhView, Hit, Kernels, MISS, NodeKind, NodeRef, Ray,
+        probe::{Blocked, Closest, Counts, NO_TRIANGLE, Occluder, ProbeScratch},
     },
     scene::TriangleMesh,
 };
@@ -24,6 +24,26 @@ fn rays(random: &mut Random, count: usize) -> Vec<Ray> {
             }
         })
         .collect()
+}
+
+/// The switches of [`Blocked`].
+#[derive(Clone, Copy)]
+struct How {
+    stop: bool,
+    beyond: bool,
+    from_surface: bool,
+}
+
+fn blocked(
+    kernels: &Kernels,
+    bvh: &BvhView,
+    ray: &Ray,
+    How { stop, beyond, from_surface }: How,
+    seeds: &[u32],
+    counter: &mut Counts,
+) -> Occluder {
+    let scratch = &mut ProbeScratch::default();
+    kernels.run(Blocked { bvh, ray, from_surface, stop, beyond, seeds, scratch, counter })
 }
 
 fn meshes() -> Vec<TriangleMesh> {
@@ -83,17 +103,8 @@ fn whatever_ends_early_or_is_tried_first_hits_are_those_of_brute_force() {
                     (false, false, true),
                 ] {
                     for seeds in [&[][..], &seeds_now] {
-                        let (bvh, ray, scratch, counter) = (&tree, &ray, &mut scratch, &mut counts);
-                        let found = kernels.run(Blocked {
-                            bvh,
-                            ray,
-                            from_surface,
-                            stop,
-                            beyond,
-                            seeds,
-                            scratch,
-                            counter,
-                        });
+                        let how = How { stop, beyond, from_surface };
+                        let found = blocked(&kernels, &tree, &ray, how, seeds, &mut counts);
                         assert_eq!(found.slot == NO_TRIANGLE, want.prim == MISS, "{} {ray:?}", kernels.isa());
                         if !stop && !found.seeded && want.prim != MISS {
                             let nearest = if from_surface { want } else { last };
@@ -164,20 +175,10 @@ fn counts_are_those_of_a_plain_recursion() {
                 kernels.run(Closest { bvh, ray, bound: true, seeds: &[], scratch, counter: &mut bounded });
                 assert!(bounded.steps <= want.steps && bounded.boxes <= want.boxes);
                 assert!(bounded.triangles <= want.triangles);
-                let mut blocked = Counts::default();
-                let (from_surface, stop, beyond) = (false, false, false);
-                let seeds = &[NO_TRIANGLE];
-                kernels.run(Blocked {
-                    bvh,
-                    ray,
-                    from_surface,
-                    stop,
-                    beyond,
-                    seeds,
-                    scratch,
-                    counter: &mut blocked,
-                });
-                assert_eq!(blocked, want, "{} {ray:?}", kernels.isa());
+                let mut all = Counts::default();
+                let how = How { stop: false, beyond: false, from_surface: false };
+                blocked(&kernels, &tree, ray, how, &[NO_TRIANGLE], &mut all);
+                assert_eq!(all, want, "{} {ray:?}", kernels.isa());
             }
             total.steps += want.steps;
         }

@@ -20,6 +20,8 @@ struct Start<'a> {
     corners: &'a [[Vec3; 3]; SUB],
     uv: &'a [[f32; 2]; SUB],
     n: &'a [Vec3; SUB],
+    /// The points are moved by this first.
+    by: Option<&'a [Vec3; SUB]>,
 }
 
 /// Point, error and start of each.
@@ -53,6 +55,7 @@ struct Inside {
     corners: [[[f32; SUB]; 3]; 3],
     uv: [[f32; SUB]; 2],
     n: [[f32; SUB]; 3],
+    by: Option<[[f32; SUB]; 3]>,
 }
 
 impl Kernel for Inside {
@@ -63,7 +66,10 @@ impl Kernel for Inside {
         let [a, b, c] = &self.corners;
         let corners = [load(s, a), load(s, b), load(s, c)];
         let uv = [F32::load(s, &self.uv[0]), F32::load(s, &self.uv[1])];
-        let footing = Footing::new(s, &corners, uv);
+        let mut footing = Footing::new(s, &corners, uv);
+        if let Some(by) = &self.by {
+            footing = footing.moved(s, &load(s, by));
+        }
         let start = footing.start(s, &load(s, &self.n));
         [store(&footing.point), store(&footing.error), store(&start)]
     }
@@ -73,8 +79,9 @@ impl Start<'_> {
     fn run(&self, kernels: &Kernels) -> Started {
         let corners = [0, 1, 2].map(|c| planes(|i| self.corners[i][c]));
         let uv = [0, 1].map(|k| std::array::from_fn(|i| self.uv[i][k]));
+        let by = self.by.map(|by| planes(|i| by[i]));
         let [point, error, start] =
-            kernels.run(Inside { corners, uv, n: planes(|i| self.n[i]) }).map(vectors);
+            kernels.run(Inside { corners, uv, n: planes(|i| self.n[i]), by }).map(vectors);
         Started { point, error, start }
     }
 }
@@ -146,22 +153,26 @@ fn points_are_within_their_bounds_and_starts_on_their_sides() {
             });
             let sides: [f32; SUB] = std::array::from_fn(|_| [1.0, -1.0][random.below(2)]);
             let n: [Vec3; SUB] = std::array::from_fn(|i| sides[i] * normal(corners[i]));
-            let start = || Start { corners: &corners, uv: &uv, n: &n };
-            let got = start().run(&Kernels::detect());
-            for kernels in kernels() {
-                let same = start().run(&kernels);
-                assert_eq!((same.point, same.start), (got.point, got.start), "{}", kernels.isa());
-            }
-            for i in 0..SUB {
-                let (at, bound) = (exact(got.point[i]), exact(got.error[i]));
-                let away = minus(&at, &on_plane(corners[i], uv[i]));
-                for k in 0..3 {
-                    let within = away[k] <= bound[k] && -&away[k] <= bound[k];
-                    assert!(within, "size {size}, far {far}: {:?} {:?}", corners[i], uv[i]);
+            let away: [Vec3; SUB] = std::array::from_fn(|i| 0.1 * size * random.signed().abs() * n[i]);
+            for by in [None, Some(&away)] {
+                let start = || Start { corners: &corners, uv: &uv, n: &n, by };
+                let got = start().run(&Kernels::detect());
+                for kernels in kernels() {
+                    let same = start().run(&kernels);
+                    assert_eq!((same.point, same.start), (got.point, got.start), "{}", kernels.isa());
                 }
-                let side = volume(corners[i], got.start[i]);
-                let right = if sides[i] > 0.0 { side > RBig::ZERO } else { side < RBig::ZERO };
-                assert!(right, "size {size}, far {far}: {:?} {:?} {}", corners[i], uv[i], sides[i]);
+                for i in 0..SUB {
+                    let context = format!("size {size}, far {far}, by {by:?}: {:?} {:?}", corners[i], uv[i]);
+                    let by = exact(by.map_or(Vec3::ZERO, |by| by[i]));
+                    let off = minus(&minus(&exact(got.point[i]), &by), &on_plane(corners[i], uv[i]));
+                    let bound = exact(got.error[i]);
+                    for k in 0..3 {
+                        assert!(off[k] <= bound[k] && -&off[k] <= bound[k], "{context}");
+                    }
+                    let side = volume(corners[i], got.start[i]);
+                    let right = if sides[i] > 0.0 { side > RBig::ZERO } else { side < RBig::ZERO };
+                    assert!(right, "{context}, {}", sides[i]);
+                }
             }
         }
     }
@@ -179,7 +190,7 @@ fn rays(random: &mut Random, mesh: &TriangleMesh, prims: &[usize; SUB], side: f3
         [u, (1.0 - u) * random.signed().abs()]
     });
     let n = corners.map(|corners| side * normal(corners));
-    let started = Start { corners: &corners, uv: &uv, n: &n }.run(&Kernels::detect());
+    let started = Start { corners: &corners, uv: &uv, n: &n, by: None }.run(&Kernels::detect());
     (0..SUB)
         .map(|i| {
             loop {

@@ -4,7 +4,7 @@ use crate::support::{Random, brute_force, kernels, mesh_of, soup, sphere};
 use glam::Vec3;
 use irt::{
     bvh::{BuildPreset, Bvh},
-    camera::Camera,
+    camera::{Camera, pixel_of},
     kernels::{
         EMPTY_NODE, Face, Flight, Hit, HitBlock, Pick, Ray, RayBlock, SUB, SUBS, TILE_RAYS, TileHits,
         TilePacket, TileScratch, Visibility,
@@ -253,6 +253,11 @@ fn cameras_at_the_ends_of_what_is_allowed_see() {
                             packet.u[ray].abs() <= 1.0 && packet.v[ray].abs() <= 1.0,
                             "{fov_deg} {eye} {at}"
                         );
+                        let (x, y) = pixel_of(ray);
+                        let along = camera.direction(16 + x, y).as_dvec3();
+                        let off =
+                            Vec3::from(packet.ray(ray).dir).as_dvec3() - along / along.abs().max_element();
+                        assert!(off.length() < 1.0e-6, "{fov_deg} {eye} {at}: another direction, {off}");
                     }
                 }
             }

@@ -33,7 +33,8 @@ fn scene(light: Light) -> Scene {
     mesh.normals = vec![Vec3::ZERO; mesh.positions.len()];
     let middle = (bent[0] + bent[1] + bent[2]) / 3.0;
     for (k, corner) in bent.iter().enumerate() {
-        mesh.normals[12 + k] = (Vec3::Y + 0.5 * (corner - middle)).normalize();
+        // On the side that is not seen: they have to be turned round.
+        mesh.normals[12 + k] = -(Vec3::Y + 0.5 * (corner - middle)).normalize();
     }
     mesh.materials = vec![0, 0, 1, 1, 2];
     let material = |kd: [f32; 3], ks: f32, ns: f32| Material {

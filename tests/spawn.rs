@@ -294,7 +294,11 @@ fn smooth_normals_move_points_onto_the_surface_they_stand_for() {
             let (before, after) = (1.0 - point.length(), ((point + by).length() - 1.0).abs());
             assert!(by.dot(flat) > 0.0 && after < before, "{u} {v}: {before} {after}");
             assert!(bulge_of(&kernels, &corners, &[flat; 3], [u, v]).length() < 1.0e-7);
-            assert_eq!(bulge_of(&kernels, &corners, &corners.map(|n| -n), [u, v]), Vec3::ZERO);
+            let from = corners.map(|corner| point - corner);
+            let hollow = from.map(|from| (flat + from).normalize());
+            for normals in [corners.map(|n| -n), hollow, from.map(|from| (-0.2 * flat - from).normalize())] {
+                assert_eq!(bulge_of(&kernels, &corners, &normals, [u, v]), Vec3::ZERO);
+            }
         }
     }
     for (u, v) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)] {

@@ -205,6 +205,7 @@ pub fn coherence(
     progress: impl Fn(&str),
 ) -> Result<SceneCoherence> {
     let kernels = choose_kernels(options.isa)?;
+    scene.check()?;
     let bvh = Bvh::build(&scene.mesh, options.build)?;
     let table = SurfaceTable::new(scene);
     let shot = Shot::new(scene, &scene.camera, &bvh, &table, kernels, options.size, options.shadow_rays);

@@ -131,6 +131,7 @@ pub fn sweep(
     build: BuildPreset,
 ) -> Result<Vec<Point>> {
     let kernels = choose_kernels(isa)?;
+    scene.check()?;
     let bvh = Bvh::build(&scene.mesh, build)?;
     let table = SurfaceTable::new(scene);
     let shot = Shot::new(scene, &scene.camera, &bvh, &table, kernels, size, ShadowRays::Every);

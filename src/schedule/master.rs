@@ -231,6 +231,10 @@ impl<T: TileTask> Master<T> {
                     if control.cancelled() {
                         running.fail(Error::Interrupted);
                     }
+                    if running.failure.is_some() {
+                        // Before the parcel goes back: its worker may be waiting for it with the next tile in mind.
+                        self.stop();
+                    }
                     let entitled = parcel.finished && running.failure.is_none();
                     let next = if entitled { running.dealer.next(&self.plan) } else { None };
                     parcel.empty();

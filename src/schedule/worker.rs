@@ -105,12 +105,13 @@ impl<T: TileTask> Hand<'_, T> {
     ) -> Option<(Tile, String)> {
         let mut next = places.next();
         while let Some(place) = next {
+            // A closed desk ends the task; `serve` sees it, too.
+            let item = self.next_item(place)?;
+            // After the wait for a parcel, which may have been long.
             if shared.stop.load(Ordering::Relaxed) {
                 return None;
             }
             let tile = shared.tiles[place];
-            // A closed desk ends the task; `serve` sees it, too.
-            let item = self.next_item(place)?;
             if let Err(message) = self.run_tile(&shared.frame, tile, item) {
                 shared.stop.store(true, Ordering::Relaxed);
                 return Some((tile, message));

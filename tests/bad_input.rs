@@ -1,6 +1,6 @@
 //! Numbers without a meaning: one answer each, and nothing else is disturbed.
 
-use crate::support::{Random, brute_force, kernels, mesh_of, soup, sphere};
+use crate::support::{RENDER, Random, brute_force, kernels, mesh_of, soup, sphere};
 use glam::Vec3;
 use irt::{
     bvh::{BuildPreset, Bvh},
@@ -9,12 +9,13 @@ use irt::{
         EMPTY_NODE, Face, Flight, Hit, HitBlock, Pick, Ray, RayBlock, SUB, SUBS, TILE_RAYS, TileHits,
         TilePacket, TileScratch, Visibility,
     },
-    render::{RenderOptions, Stage, render},
+    render::{Stage, render},
     scene::{CameraDescription, Falloff, Light, Scene, procedural},
-    schedule::{Control, Schedule},
-    study::coherence::sweep,
-    tile::Order,
-    trace::{EarlyTermination, KernelChoice},
+    schedule::Control,
+    study::{
+        bench::{BenchOptions, Engine, Kind, bench, builds, micro},
+        coherence::sweep,
+    },
 };
 
 /// What was there before: no ray that takes part may keep it.
@@ -206,25 +207,24 @@ fn a_scene_built_by_a_program_is_checked() {
 fn whatever_renders_or_studies_a_scene_checks_it_first() {
     let mut scene = procedural::build("atrium", 0.1).expect("a built-in scene");
     scene.mesh.triangles[5][2] = u32::MAX;
-    let options = RenderOptions {
+    let bench_options = BenchOptions {
+        kinds: vec![Kind::Primary],
+        engines: vec![Engine::Irt],
         isa: None,
-        kernel: KernelChoice::Tile,
-        visibility: Visibility::Exact,
-        threads: Some(1),
+        visibility: vec![Visibility::Exact],
+        rounds: 1,
+        threads: 1,
         pin: false,
-        order: Order::Hilbert,
-        schedule: Schedule::default(),
-        tile: 32,
-        size: [40, 30],
-        frames: 1,
+        size: RENDER.size,
         build: BuildPreset::Fast,
-        seed: 0,
-        early: EarlyTermination::FASTEST,
     };
     let refused = [
-        render(&scene, &options, &Control::unattended()).map(drop),
-        Stage::new(&scene, &options).map(drop),
-        sweep(&scene, "atrium", options.size, None, BuildPreset::Fast).map(drop),
+        render(&scene, &RENDER, &Control::unattended()).map(drop),
+        Stage::new(&scene, &RENDER).map(drop),
+        sweep(&scene, "atrium", RENDER.size, None, BuildPreset::Fast).map(drop),
+        bench(&scene, &bench_options, |_| {}).map(drop),
+        builds(&scene, &bench_options, |_| {}).map(drop),
+        micro(&scene, &bench_options).map(drop),
     ];
     for error in refused {
         let message = error.expect_err("triangle 5 has no such vertex").to_string();

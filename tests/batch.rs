@@ -121,9 +121,7 @@ fn random_and_odd_rays_give_what_single_rays_give() {
     }
 }
 
-/// `cargo test --release --test main -- --ignored ten_million` takes about a quarter of a minute.
 #[test]
-#[ignore = "takes a while"]
 fn ten_million_rays_give_what_single_rays_give() {
     let mesh = soup(27, 20_000, 0.05);
     let mut random = Random(28);

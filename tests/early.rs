@@ -1,37 +1,23 @@
 //! Early terminations and orders change the work, never the image; and the study of coherence counts right.
 
-use crate::support::brute_force;
+use crate::support::{RENDER, brute_force};
 use irt::{
     bvh::BuildPreset,
     camera::{Camera, pixel_of},
-    kernels::{Isa, Kernels, MISS, SUB, TILE_RAYS, TilePacket, Visibility},
+    kernels::{Isa, Kernels, MISS, SUB, TILE_RAYS, TilePacket},
     render::{RenderOptions, render},
     scene::{Light, Scene, procedural},
-    schedule::{Control, Schedule},
+    schedule::Control,
     study::coherence::{CoherenceOptions, SceneCoherence, ShadowRays, coherence},
     tile::{Order, pixels},
-    trace::{EarlyTermination, KernelChoice},
+    trace::EarlyTermination,
 };
 
 const SIZE: [u32; 2] = [70, 51];
 
 fn image(scene: &Scene, early: EarlyTermination, isa: Option<Isa>, order: Order) -> String {
-    let options = RenderOptions {
-        isa,
-        visibility: Visibility::Exact,
-        kernel: KernelChoice::Tile,
-        threads: Some(1),
-        pin: false,
-        order,
-        schedule: Schedule::default(),
-        tile: 32,
-        size: SIZE,
-        // The second frame begins with what the first remembers.
-        frames: 2,
-        build: BuildPreset::Fast,
-        seed: 0,
-        early,
-    };
+    // The second frame begins with what the first remembers.
+    let options = RenderOptions { isa, order, tile: 32, size: SIZE, frames: 2, early, ..RENDER };
     let rendered = render(scene, &options, &Control::unattended()).expect("renders");
     let [first, second] = &rendered.frames[..] else { panic!("two frames") };
     assert_eq!(first.image_sha256, second.image_sha256, "{early}, {order}");

@@ -1,30 +1,14 @@
 //! The image is a function of scene, camera and size alone: one hash, whatever computes it.
 
+use crate::support::RENDER;
 use irt::{
     bvh::BuildPreset,
-    kernels::{Isa, Visibility},
+    kernels::Isa,
     render::{RenderOptions, render},
     scene::{Scene, procedural},
-    schedule::{Control, FilmMode, Schedule, Strategy},
+    schedule::{Control, Schedule},
     tile::Order,
-    trace::{EarlyTermination, KernelChoice},
-};
-
-const BASE: RenderOptions = RenderOptions {
-    isa: None,
-    kernel: KernelChoice::Tile,
-    visibility: Visibility::Exact,
-    threads: Some(1),
-    pin: false,
-    order: Order::Hilbert,
-    schedule: Schedule { strategy: Strategy::Dynamic, film: FilmMode::Shared },
-    tile: 64,
-    // Not a multiple of packet or tile size.
-    size: [150, 101],
-    frames: 1,
-    build: BuildPreset::Fast,
-    seed: 0,
-    early: EarlyTermination::FASTEST,
+    trace::KernelChoice,
 };
 
 fn hash(scene: &Scene, options: &RenderOptions) -> String {
@@ -44,11 +28,11 @@ fn scene(name: &str) -> Scene {
 fn every_built_in_scene_has_one_image() {
     for name in procedural::NAMES {
         let scene = scene(name);
-        let want = hash(&scene, &BASE);
+        let want = hash(&scene, &RENDER);
         for isa in Isa::available() {
-            let tile = RenderOptions { isa: Some(isa), threads: Some(2), tile: 48, ..BASE };
+            let tile = RenderOptions { isa: Some(isa), threads: Some(2), tile: 48, ..RENDER };
             assert_eq!(hash(&scene, &tile), want, "{name}, {isa}, tile kernel");
-            let single = RenderOptions { isa: Some(isa), kernel: KernelChoice::Single, ..BASE };
+            let single = RenderOptions { isa: Some(isa), kernel: KernelChoice::Single, ..RENDER };
             assert_eq!(hash(&scene, &single), want, "{name}, {isa}, single rays");
         }
     }
@@ -57,30 +41,30 @@ fn every_built_in_scene_has_one_image() {
 #[test]
 fn threads_order_tile_size_and_tree_do_not_change_the_image() {
     let scene = scene("atrium");
-    let want = hash(&scene, &BASE);
+    let want = hash(&scene, &RENDER);
     for threads in [1, 2, 3, 7] {
         for order in Order::ALL {
             for tile in [1, 7, 16, 33, 64, 1024] {
                 // Tiles of one pixel are slow; once is enough.
                 if tile > 1 || threads == 3 {
-                    let options = RenderOptions { threads: Some(threads), order, tile, ..BASE };
+                    let options = RenderOptions { threads: Some(threads), order, tile, ..RENDER };
                     assert_eq!(hash(&scene, &options), want, "{threads} threads, {order}, tiles of {tile}");
                 }
             }
         }
     }
     for build in BuildPreset::ALL {
-        assert_eq!(hash(&scene, &RenderOptions { build, ..BASE }), want, "{build} tree");
+        assert_eq!(hash(&scene, &RenderOptions { build, ..RENDER }), want, "{build} tree");
     }
 }
 
 #[test]
 fn no_schedule_changes_the_image() {
     let scene = scene("atrium");
-    let want = hash(&scene, &BASE);
+    let want = hash(&scene, &RENDER);
     for schedule in Schedule::all() {
         for (threads, tile, frames) in [(1, 64, 1), (2, 32, 2), (5, 16, 3), (64, 48, 2)] {
-            let options = RenderOptions { threads: Some(threads), schedule, tile, frames, ..BASE };
+            let options = RenderOptions { threads: Some(threads), schedule, tile, frames, ..RENDER };
             let rendered = render(&scene, &options, &Control::unattended()).expect("renders");
             for frame in &rendered.frames {
                 assert_eq!(frame.image_sha256, want, "{schedule:?}, {threads} threads");
@@ -93,7 +77,7 @@ fn no_schedule_changes_the_image() {
 #[test]
 fn another_camera_gives_another_image() {
     let mut scene = scene("office");
-    let before = hash(&scene, &BASE);
+    let before = hash(&scene, &RENDER);
     scene.camera.fov_deg *= 1.01;
-    assert_ne!(hash(&scene, &BASE), before);
+    assert_ne!(hash(&scene, &RENDER), before);
 }

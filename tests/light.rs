@@ -1,17 +1,15 @@
 //! Direct light against a plain reference in f64: every kind of light, hard shadows, smooth normals, ambient.
 
-use crate::support::{brute_force, mesh_of};
+use crate::support::{RENDER, brute_force, mesh_of};
 use glam::{DVec3, Vec3};
 use irt::{
-    bvh::BuildPreset,
     camera::Camera,
     film::Film,
-    kernels::{Hit, Isa, MISS, Ray, Visibility},
+    kernels::{Hit, Isa, MISS, Ray},
     render::{RenderOptions, render},
     scene::{CameraDescription, Falloff, Light, Material, Scene},
-    schedule::{Control, Schedule},
-    tile::Order,
-    trace::{EarlyTermination, KernelChoice},
+    schedule::Control,
+    trace::KernelChoice,
 };
 
 const SIZE: [u32; 2] = [72, 50];
@@ -87,21 +85,7 @@ fn lights() -> [(&'static str, Light); 4] {
 }
 
 fn film(scene: &Scene, isa: Option<Isa>, kernel: KernelChoice, tile: u32) -> (Film, String) {
-    let options = RenderOptions {
-        isa,
-        kernel,
-        visibility: Visibility::Exact,
-        threads: Some(2),
-        pin: false,
-        order: Order::Hilbert,
-        schedule: Schedule::default(),
-        tile,
-        size: SIZE,
-        frames: 1,
-        build: BuildPreset::Fast,
-        seed: 0,
-        early: EarlyTermination::FASTEST,
-    };
+    let options = RenderOptions { isa, kernel, threads: Some(2), tile, size: SIZE, ..RENDER };
     let mut rendered = render(scene, &options, &Control::unattended()).expect("renders");
     assert_eq!(rendered.nan, None);
     (rendered.film, rendered.frames.remove(0).image_sha256)

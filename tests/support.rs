@@ -2,8 +2,31 @@
 
 use glam::Vec3;
 use irt::{
-    kernels::{Face, Hit, Isa, Kernels, MISS, Ray, exact},
+    bvh::BuildPreset,
+    kernels::{Face, Hit, Isa, Kernels, MISS, Ray, Visibility, exact},
+    render::RenderOptions,
     scene::{Part, TriangleMesh},
+    schedule::{FilmMode, Schedule, Strategy},
+    tile::Order,
+    trace::{EarlyTermination, KernelChoice},
+};
+
+/// A small image, the plainest way: what tests of images change a little.
+pub(crate) const RENDER: RenderOptions = RenderOptions {
+    isa: None,
+    kernel: KernelChoice::Tile,
+    visibility: Visibility::Exact,
+    threads: Some(1),
+    pin: false,
+    order: Order::Hilbert,
+    schedule: Schedule { strategy: Strategy::Dynamic, film: FilmMode::Shared },
+    tile: 64,
+    // Not a multiple of packet or tile size.
+    size: [150, 101],
+    frames: 1,
+    build: BuildPreset::Fast,
+    seed: 0,
+    early: EarlyTermination::FASTEST,
 };
 
 /// The kernels of every instruction set of this machine.

@@ -195,8 +195,8 @@ impl TriBlock {
 /// A borrowed tree.
 ///
 /// Whoever builds one guarantees that every box encloses its subtree's vertices, that every reference is in range, that
-/// every [`Node::order`] names each slot, and that no path is longer than [`MAX_DEPTH`] nodes. Breaking that gives wrong hits or a panic, never undefined
-/// behaviour: the kernels index with bounds checks.
+/// every [`Node::order`] names each slot, and that no path is longer than [`MAX_DEPTH`] nodes. Breaking that gives wrong
+/// hits or a panic, never undefined behaviour: the kernels index with bounds checks.
 #[derive(Clone, Copy, Debug)]
 pub struct BvhView<'a> {
     /// Tells this tree from all others that are or were in this process: kernels remember parts of a tree by it. See

@@ -1,5 +1,6 @@
 //! Statistics of repeated measurements.
 
+use crate::math::median;
 use serde::Serialize;
 
 /// Median and extremes. The median, because a measurement is disturbed in one direction only.
@@ -19,12 +20,9 @@ impl Statistics {
         if samples.is_empty() || samples.iter().any(|s| s.is_nan()) {
             return None;
         }
-        let mut sorted = samples.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        let half = sorted.len() / 2;
-        let median =
-            if sorted.len() % 2 == 1 { sorted[half] } else { f64::midpoint(sorted[half - 1], sorted[half]) };
-        Some(Statistics { median, min: sorted[0], max: sorted[sorted.len() - 1] })
+        let min = samples.iter().copied().fold(f64::INFINITY, f64::min);
+        let max = samples.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        Some(Statistics { median: median(samples), min, max })
     }
 }
 

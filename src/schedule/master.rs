@@ -215,7 +215,7 @@ impl<T: TileTask> Master<T> {
                 Report::Ready { .. } => {}
                 Report::Lost { worker } => {
                     self.lose(worker);
-                    running.fail(lost_worker());
+                    self.fail(running, lost_worker());
                 }
                 Report::Parcel { worker, mut parcel, sent } => {
                     running.stats.reports.count += 1;
@@ -228,12 +228,9 @@ impl<T: TileTask> Master<T> {
                         running.done += 1;
                         control.report(Progress { done: running.done, total: shared.tiles.len() });
                     }
+                    // Before the parcel goes back: its worker may be waiting for it with the next tile in mind.
                     if control.cancelled() {
-                        running.fail(Error::Interrupted);
-                    }
-                    if running.failure.is_some() {
-                        // Before the parcel goes back: its worker may be waiting for it with the next tile in mind.
-                        self.stop();
+                        self.fail(running, Error::Interrupted);
                     }
                     let entitled = parcel.finished && running.failure.is_none();
                     let next = if entitled { running.dealer.next(&self.plan) } else { None };
@@ -241,13 +238,9 @@ impl<T: TileTask> Master<T> {
                     self.deal(worker, next.map(Work::Run), &shared, Some(parcel), running);
                 }
             }
-            if running.failure.is_some() {
-                self.stop();
-            }
         }
         if control.cancelled() {
-            running.fail(Error::Interrupted);
-            self.stop();
+            self.fail(running, Error::Interrupted);
         }
     }
 
@@ -311,6 +304,12 @@ impl<T: TileTask> Master<T> {
     fn lose(&mut self, worker: usize) {
         self.due[worker] = None;
         self.desks[worker].clear();
+    }
+
+    /// The frame under way comes to nothing. (The worker on whose tile it failed has stopped it already.)
+    fn fail(&self, running: &mut Running, error: Error) {
+        running.fail(error);
+        self.stop();
     }
 
     /// No further tile of the frame under way is begun.

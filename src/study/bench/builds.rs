@@ -53,6 +53,7 @@ enum Builder {
 /// As [`super::bench`].
 pub fn builds(scene: &Scene, options: &BenchOptions, mut tell: impl FnMut(&str)) -> Result<Vec<BuildRow>> {
     let kernels = choose_kernels(options.isa)?;
+    scene.check()?;
     tell("builds");
     let builders = builders(scene, options)?;
     let mut seconds = vec![Vec::new(); builders.len()];

@@ -149,6 +149,7 @@ pub fn check_engines(engines: &[Engine]) -> Result<()> {
 /// As [`check`], and [`Error::Failed`] if the tree cannot be built.
 pub fn bench(scene: &Scene, options: &BenchOptions, mut tell: impl FnMut(Kind)) -> Result<Vec<Row>> {
     let kernels = choose_kernels(options.isa)?;
+    scene.check()?;
     let bvh = Bvh::build(&scene.mesh, options.build)?;
     let peers = peers::Peers::new(scene, options)?;
     let seen = Seen::new(scene, &bvh, kernels, options.size);

@@ -54,8 +54,9 @@ fn run(mode: &dyn Mode, placement: &Placement, threads: usize) -> (f64, u64) {
                 let (next, ready) = (&next, &ready);
                 scope.spawn(move || {
                     pin_current_thread(cpu);
+                    let arrival = Arrival(ready);
                     let mut run = mode.worker();
-                    meet(ready, threads);
+                    arrival.meet(threads);
                     let start = Instant::now();
                     let mut hits = 0;
                     loop {
@@ -79,14 +80,82 @@ fn run(mode: &dyn Mode, placement: &Placement, threads: usize) -> (f64, u64) {
     })
 }
 
-/// Waits until `threads` threads are here. They spin: waking a sleeping thread takes as long as a hundred packets, and
-/// one that starts late would pass for bad scaling.
-fn meet(here: &AtomicUsize, threads: usize) {
-    here.fetch_add(1, Ordering::AcqRel);
-    let mut spins = 0u32;
-    while here.load(Ordering::Acquire) < threads {
-        spins += 1;
-        // There may be fewer cores than threads.
-        if spins.is_multiple_of(1024) { std::thread::yield_now() } else { std::hint::spin_loop() }
+/// A thread on its way to where all meet. One that panics counts as arrived, so that nobody waits for it.
+struct Arrival<'a>(&'a AtomicUsize);
+
+impl Drop for Arrival<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_add(1, Ordering::AcqRel);
+    }
+}
+
+impl Arrival<'_> {
+    /// Waits until `threads` threads are here. They spin: waking a sleeping thread takes as long as a hundred packets,
+    /// and one that starts late would pass for bad scaling.
+    fn meet(self, threads: usize) {
+        let here = self.0;
+        drop(self);
+        let mut spins = 0u32;
+        while here.load(Ordering::Acquire) < threads {
+            spins += 1;
+            // There may be fewer cores than threads.
+            if spins.is_multiple_of(1024) { std::thread::yield_now() } else { std::hint::spin_loop() }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::{sync::mpsc::channel, time::Duration};
+
+    /// Its first thread panics before it traces anything, if asked to.
+    struct Fragile {
+        threads: AtomicUsize,
+        breaks: bool,
+    }
+
+    impl Mode for Fragile {
+        fn engine(&self) -> Engine {
+            Engine::Irt
+        }
+
+        fn isa(&self) -> String {
+            String::new()
+        }
+
+        fn kernel(&self) -> String {
+            String::new()
+        }
+
+        fn width(&self) -> usize {
+            1
+        }
+
+        fn units(&self) -> usize {
+            100
+        }
+
+        fn worker(&self) -> Box<dyn FnMut(usize) -> u64 + '_> {
+            let first = self.threads.fetch_add(1, Ordering::Relaxed) == 0;
+            assert!(!(first && self.breaks), "as asked");
+            Box::new(|unit| unit as u64)
+        }
+    }
+
+    /// Hits of a run, or `None` if it panicked.
+    fn hits(breaks: bool) -> Option<u64> {
+        let (sender, receiver) = channel();
+        std::thread::spawn(move || {
+            let timed = || time(&mut Fragile { threads: AtomicUsize::new(0), breaks }, 3, false).1;
+            let _ = sender.send(std::panic::catch_unwind(timed).ok());
+        });
+        receiver.recv_timeout(Duration::from_secs(60)).expect("hangs")
+    }
+
+    #[test]
+    fn every_unit_is_run_once_and_a_thread_that_breaks_holds_nobody_up() {
+        assert_eq!(hits(false), Some(99 * 100 / 2));
+        assert_eq!(hits(true), None);
     }
 }

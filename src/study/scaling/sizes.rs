@@ -4,10 +4,11 @@
 //! long as the cheapest. So each size is told with that ratio; and with that of the dearest tile to the mean, since a
 //! cheapest tile that shows nothing but background makes the first one huge.
 
+use super::Costs;
 use super::measure::TileCosts;
-use super::{Costs, median};
 use crate::{
     error::Result,
+    math::median,
     render::{RenderOptions, Stage},
     scene::Scene,
     schedule::{Control, FrameStats, Machine, Placement},

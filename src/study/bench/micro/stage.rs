@@ -58,8 +58,9 @@ impl Stage {
     /// Builds the tree and looks at the scene once.
     ///
     /// # Errors
-    /// [`crate::error::Error::Failed`] if the tree cannot be built.
+    /// [`crate::error::Error::Failed`] if the scene breaks a promise (see [`Scene::check`]) or the tree cannot be built.
     pub fn new(scene: &Scene, build: BuildPreset, size: [u32; 2]) -> Result<Stage> {
+        scene.check()?;
         let place = |light: &Light| match *light {
             Light::Point { position, .. } | Light::Spot { position, .. } => {
                 Some((*light, position.to_array()))

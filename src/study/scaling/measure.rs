@@ -2,6 +2,7 @@
 
 use super::{Costs, simulate};
 use crate::error::Result;
+use crate::math::median;
 use crate::render::Stage;
 use crate::schedule::{Control, CostMap, FilmMode, FrameStats, Machine, Placement, Plan, Schedule, Strategy};
 use crate::tile::Tile;
@@ -96,13 +97,8 @@ impl TileCosts {
         for span in frames.into_iter().flat_map(|frame| &frame.spans) {
             samples.entry(span.tile).or_default().push(span.end - span.start);
         }
-        let seconds: HashMap<Tile, f64> = samples
-            .into_iter()
-            .map(|(tile, mut seconds)| {
-                seconds.sort_by(f64::total_cmp);
-                (tile, seconds[seconds.len() / 2])
-            })
-            .collect();
+        let seconds: HashMap<Tile, f64> =
+            samples.into_iter().map(|(tile, seconds)| (tile, median(&seconds))).collect();
         let mut map = CostMap::covering(base);
         base.iter().for_each(|&tile| map.record(tile, seconds.get(&tile).copied().unwrap_or(0.0)));
         TileCosts { seconds, map }

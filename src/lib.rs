@@ -9,6 +9,7 @@ pub use irt_kernels as kernels;
 pub mod error;
 pub mod math;
 pub mod scene;
+pub mod effects;
 pub mod bvh;
 pub mod camera;
 pub mod tile;

@@ -59,7 +59,7 @@ fn scene(light: Light) -> Scene {
         ambient: Vec3::new(0.05, 0.06, 0.07),
         background: Vec3::new(0.2, 0.3, 0.4),
         size: SIZE,
-        warnings: Vec::new(),
+        ..Scene::default()
     }
 }
 

@@ -338,10 +338,8 @@ fn lit(
         materials: vec![Material::default()],
         camera,
         lights: vec![light],
-        ambient: Vec3::ZERO,
-        background: Vec3::ZERO,
         size: [64, 64],
-        warnings: Vec::new(),
+        ..Scene::default()
     };
     let (below, above) = (build(floor_mesh), build(all));
     let (seeing, shadowing) = (

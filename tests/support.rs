@@ -61,6 +61,7 @@ pub(crate) fn mesh_of(triangles: &[[Vec3; 3]]) -> TriangleMesh {
     TriangleMesh {
         positions: triangles.iter().flatten().copied().collect(),
         normals: Vec::new(),
+        uvs: Vec::new(),
         triangles: (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
         materials: vec![0; triangles.len()],
         parts: vec![Part { name: "soup".into(), first: 0, count: triangles.len() as u32 }],

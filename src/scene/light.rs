@@ -1,4 +1,4 @@
-//! Light sources without extent.
+//! Light sources, without extent and with.
 
 use glam::Vec3;
 
@@ -45,5 +45,35 @@ pub enum Light {
         inner: f32,
         /// No light beyond this angle from the axis, radians, in (inner, pi/2].
         outer: f32,
+    },
+}
+
+/// A light source with an extent: it casts soft shadows.
+///
+/// It is a source only. No ray meets it, so it is not seen, nor mirrored, nor does it cast a shadow; a source that can be
+/// seen is a mesh whose material emits (see [`super::RenderSettings::emitters`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AreaLight {
+    /// Shines from one side of a parallelogram.
+    Rectangle {
+        /// One of its corners.
+        corner: Vec3,
+        /// From the corner along one edge; neither zero nor parallel to the other.
+        edge_u: Vec3,
+        /// From the corner along the other edge. The light shines to the side that `edge_u` x `edge_v` points to.
+        edge_v: Vec3,
+        /// Radiance that leaves each of its points in each direction.
+        radiance: Vec3,
+        /// Shines from both sides.
+        two_sided: bool,
+    },
+    /// Shines from the outside of a sphere.
+    Sphere {
+        /// Its centre.
+        center: Vec3,
+        /// Its radius, > 0.
+        radius: f32,
+        /// Radiance that leaves each of its points in each direction.
+        radiance: Vec3,
     },
 }

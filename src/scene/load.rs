@@ -1,7 +1,7 @@
 //! From what a user types to a scene.
 
 use super::{
-    DEFAULT_SIZE, Scene, TriangleMesh, description, framing,
+    Scene, TriangleMesh, description, framing,
     library::{Described, Library, has_extension},
     obj, procedural,
 };
@@ -150,8 +150,7 @@ pub(super) fn finish(
         materials,
         lights,
         ambient,
-        background: Vec3::ZERO,
-        size: DEFAULT_SIZE,
         warnings,
+        ..Scene::default()
     })
 }

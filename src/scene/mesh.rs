@@ -1,7 +1,7 @@
 //! Triangle meshes.
 
 use crate::math::Aabb;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// A named range of triangles: one mesh, group or generated piece.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,6 +21,8 @@ pub struct TriangleMesh {
     pub positions: Vec<Vec3>,
     /// Vertex normals: empty, or one per position; the zero vector means "use the triangle's own normal".
     pub normals: Vec<Vec3>,
+    /// Texture coordinates: empty, or one per position. (0, 0) is the lower left corner of an image, (1, 1) its upper right one.
+    pub uvs: Vec<Vec2>,
     /// Vertex indices of each triangle, all below `positions.len()`. No triangle has exactly zero area.
     pub triangles: Vec<[u32; 3]>,
     /// Material index of each triangle.

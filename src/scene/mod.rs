@@ -6,6 +6,8 @@
 mod area;
 mod check;
 mod description;
+mod effect;
+mod environment;
 mod framing;
 mod inspect;
 mod library;
@@ -15,15 +17,21 @@ mod material;
 mod mesh;
 mod obj;
 pub mod procedural;
+mod settings;
 mod tally;
 mod text;
+mod texture;
 
+pub use effect::{Effect, EffectSet};
+pub use environment::{Environment, Sky, SkyMap};
 pub use inspect::{CameraReport, LightReport, SceneReport, Share};
 pub use library::{Described, Library, MeshPlace, SCENES_VARIABLE};
-pub use light::{Falloff, Light};
+pub use light::{AreaLight, Falloff, Light};
 pub use load::{described, load};
-pub use material::Material;
+pub use material::{Bump, BumpKind, Material};
 pub use mesh::{Part, TriangleMesh};
+pub use settings::{AmbientOcclusion, DepthOfField, RenderSettings};
+pub use texture::{Texture, Wrap};
 
 use glam::Vec3;
 
@@ -59,8 +67,16 @@ pub struct Scene {
     pub mesh: TriangleMesh,
     /// Materials, indexed by [`TriangleMesh::materials`]; never empty when there are triangles.
     pub materials: Vec<Material>,
-    /// Lights, in the order in which their contributions are added.
+    /// Images, indexed by the maps of [`Material`].
+    pub textures: Vec<Texture>,
+    /// Lights without extent, in the order in which their contributions are added.
     pub lights: Vec<Light>,
+    /// Lights with an extent, whose contributions follow.
+    pub area_lights: Vec<AreaLight>,
+    /// What surrounds the scene.
+    pub environment: Environment,
+    /// How far light is followed.
+    pub settings: RenderSettings,
     /// The camera.
     pub camera: CameraDescription,
     /// Light that reaches every surface from everywhere (multiplies `Ka` or, where that is zero, `Kd`).
@@ -71,4 +87,25 @@ pub struct Scene {
     pub size: [u32; 2],
     /// What was repaired, dropped or ignored while loading, counted; each a sentence for the user.
     pub warnings: Vec<String>,
+}
+
+impl Default for Scene {
+    /// Nothing, seen from (0, 0, 5).
+    fn default() -> Scene {
+        Scene {
+            name: String::new(),
+            mesh: TriangleMesh::default(),
+            materials: vec![Material::default()],
+            textures: Vec::new(),
+            lights: Vec::new(),
+            area_lights: Vec::new(),
+            environment: Environment::default(),
+            settings: RenderSettings::default(),
+            camera: CameraDescription { eye: 5.0 * Vec3::Z, at: Vec3::ZERO, up: Vec3::Y, fov_deg: 40.0 },
+            ambient: Vec3::ZERO,
+            background: Vec3::ZERO,
+            size: DEFAULT_SIZE,
+            warnings: Vec::new(),
+        }
+    }
 }

@@ -13,7 +13,7 @@ use super::{
     text::read_utf8,
 };
 use crate::error::Result;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use place::Placement;
 use source::Source;
 use std::path::{Path, PathBuf};
@@ -128,11 +128,16 @@ impl Description {
 /// Adds a model's mesh, whose material indices count from `first_material`.
 fn append(mesh: &mut TriangleMesh, model: TriangleMesh, name: Option<&str>, first_material: u32) {
     let (first_vertex, first_triangle) = (mesh.positions.len() as u32, mesh.len() as u32);
-    // Normals are there for all vertices or for none.
+    // Normals are there for all vertices or for none, and so are texture coordinates.
     if !mesh.normals.is_empty() || !model.normals.is_empty() {
         mesh.normals.resize(mesh.positions.len(), Vec3::ZERO);
         mesh.normals.extend(model.normals);
         mesh.normals.resize(mesh.positions.len() + model.positions.len(), Vec3::ZERO);
+    }
+    if !mesh.uvs.is_empty() || !model.uvs.is_empty() {
+        mesh.uvs.resize(mesh.positions.len(), Vec2::ZERO);
+        mesh.uvs.extend(model.uvs);
+        mesh.uvs.resize(mesh.positions.len() + model.positions.len(), Vec2::ZERO);
     }
     mesh.positions.extend(model.positions);
     mesh.triangles.extend(model.triangles.iter().map(|triangle| triangle.map(|v| first_vertex + v)));

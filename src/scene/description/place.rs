@@ -76,6 +76,7 @@ mod tests {
         TriangleMesh {
             positions: vec![Vec3::X, Vec3::Y, Vec3::Z],
             normals: vec![Vec3::X; 3],
+            uvs: Vec::new(),
             triangles: vec![[0, 1, 2]],
             materials: vec![0],
             parts: vec![Part { name: "corner".into(), first: 0, count: 1 }],

@@ -34,6 +34,7 @@ fn convert(from: tobj::Material) -> Material {
         ni: from.optical_density.unwrap_or(default.ni),
         d: from.dissolve.unwrap_or(default.d),
         illum: from.illumination_model.unwrap_or(default.illum),
+        ..default
     }
 }
 

@@ -180,8 +180,7 @@ impl Builder {
             camera,
             ambient,
             background,
-            size: [1024, 1024],
-            warnings: Vec::new(),
+            ..Scene::default()
         }
     }
 

@@ -60,6 +60,7 @@ pub fn indexed(positions: Vec<Vec3>, mut triangles: Vec<[u32; 3]>) -> TriangleMe
     TriangleMesh {
         positions,
         normals: Vec::new(),
+        uvs: Vec::new(),
         triangles,
         materials: vec![0; count],
         parts: vec![Part { name: "made up".into(), first: 0, count: count as u32 }],

@@ -342,7 +342,7 @@ macro_rules! table {
 macro_rules! entries {
     ($(#[$gate:meta])* $module:ident, $isa:expr, $token:expr $(, $features:literal)?) => {
         $(#[$gate])*
-        mod $module {
+        pub(crate) mod $module {
             use super::*;
 
             table!(exact, Exact, $isa, $token $(, $features)?);
@@ -352,6 +352,14 @@ macro_rules! entries {
             #[allow(dead_code)]
             $(#[target_feature(enable = $features)])?
             pub(super) fn run<K: Kernel>(kernel: K) -> K::Output {
+                kernel.run($token)
+            }
+
+            /// [`Simd::apart`].
+            #[cold]
+            #[inline(never)]
+            $(#[target_feature(enable = $features)])?
+            pub(crate) fn apart<K: Kernel>(kernel: K) -> K::Output {
                 kernel.run($token)
             }
         }

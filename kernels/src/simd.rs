@@ -142,6 +142,9 @@ pub trait Simd: Lanes<8> + Lanes<16> {
     fn prefetch<T>(self, target: *const T) {
         let _ = target;
     }
+
+    /// Runs what is rarely needed in a function of its own, so that it takes no registers from its caller.
+    fn apart<K: Kernel>(self, kernel: K) -> K::Output;
 }
 
 /// A computation that is generic over the instruction set, run by [`crate::Kernels::run`].

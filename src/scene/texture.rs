@@ -132,7 +132,7 @@ mod tests {
     use super::*;
 
     fn checks(wrap: Wrap) -> Texture {
-        let pixel = |i: usize| if (i + i / 2) % 2 == 0 { [1.0; 4] } else { [0.0, 0.5, 0.0, 1.0] };
+        let pixel = |i: usize| if (i + i / 2).is_multiple_of(2) { [1.0; 4] } else { [0.0, 0.5, 0.0, 1.0] };
         Texture::new("checks", [2, 2], (0..4).map(pixel).collect(), wrap)
     }
 

@@ -1,7 +1,10 @@
 //! AVX-512 F, VL, DQ and BW: 16 lanes in a register; 8 lanes in half of one, with mask registers as well.
 
 use super::{lanes, prefetch_lines};
-use crate::{isa::Isa, simd::Simd};
+use crate::{
+    isa::Isa,
+    simd::{Kernel, Simd},
+};
 use core::arch::x86_64::*;
 
 /// Token of AVX-512; only [`crate::Kernels`] makes one, after detection.
@@ -14,6 +17,12 @@ impl Simd for Avx512 {
     #[inline(always)]
     fn prefetch<T>(self, target: *const T) {
         prefetch_lines(target);
+    }
+
+    #[inline(always)]
+    fn apart<K: Kernel>(self, kernel: K) -> K::Output {
+        // SAFETY: the token can only be had where its features were detected (see `Kernels::for_isa`).
+        unsafe { crate::dispatch::avx512::apart(kernel) }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{
     isa::Isa,
-    simd::{Lanes, Simd},
+    simd::{Kernel, Lanes, Simd},
 };
 use std::array::from_fn;
 
@@ -12,6 +12,11 @@ pub struct Scalar;
 
 impl Simd for Scalar {
     const ISA: Isa = Isa::Scalar;
+
+    #[inline(always)]
+    fn apart<K: Kernel>(self, kernel: K) -> K::Output {
+        crate::dispatch::scalar::apart(kernel)
+    }
 }
 
 const fn truth(b: bool) -> u32 {

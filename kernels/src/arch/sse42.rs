@@ -5,7 +5,10 @@ use super::{
     pair::{halves, halves_mut, pair},
     prefetch_lines,
 };
-use crate::{isa::Isa, simd::Simd};
+use crate::{
+    isa::Isa,
+    simd::{Kernel, Simd},
+};
 use core::arch::x86_64::*;
 
 /// Token of SSE4.2; only [`crate::Kernels`] makes one, after detection.
@@ -18,6 +21,12 @@ impl Simd for Sse42 {
     #[inline(always)]
     fn prefetch<T>(self, target: *const T) {
         prefetch_lines(target);
+    }
+
+    #[inline(always)]
+    fn apart<K: Kernel>(self, kernel: K) -> K::Output {
+        // SAFETY: the token can only be had where its features were detected (see `Kernels::for_isa`).
+        unsafe { crate::dispatch::sse42::apart(kernel) }
     }
 }
 

@@ -30,60 +30,25 @@ pub(crate) fn nearer(
     slot: u32,
     best: u32,
 ) -> Option<f64> {
-    Duel::new(bvh, frame, slot).nearer(bvh, frame, d, [tnear, tfar], best, false)
-}
-
-/// A triangle against the ones that rays hit so far. Their planes are computed once for all rays of a packet.
-pub(crate) struct Duel {
-    corners: [[f32; 3]; 3],
-    plane: Canonical,
-    prim: u32,
-    /// The latest opponent: its slot, plane and primitive.
-    best: (u32, Canonical, u32),
-}
-
-impl Duel {
-    #[inline(always)]
-    pub(crate) fn new(bvh: &BvhView, frame: &Frame, slot: u32) -> Duel {
-        let (block, lane) = block_of(bvh, slot);
-        let corners = triangle(block, lane, frame);
-        let [a, b, c] = corners;
-        let plane = Canonical::new(a, b, c);
-        Duel { corners, plane, prim: block.prim[lane], best: (NO_SLOT, plane, MISS) }
+    let (block, lane) = block_of(bvh, slot);
+    let prim = block.prim[lane];
+    if prim == MISS {
+        return None;
     }
-
-    /// As [`nearer`]; `pierced` if the ray is known to pass through the triangle.
-    #[inline(always)]
-    pub(crate) fn nearer(
-        &mut self,
-        bvh: &BvhView,
-        frame: &Frame,
-        d: [f32; 3],
-        [tnear, tfar]: [f32; 2],
-        best: u32,
-        pierced: bool,
-    ) -> Option<f64> {
-        if self.prim == MISS {
+    let [a, b, c] = triangle(block, lane, frame);
+    let t = Canonical::new(a, b, c).depth(wide(d));
+    // What is cheaper decides first.
+    if !(t >= f64::from(tnear) && t <= f64::from(tfar)) {
+        return None;
+    }
+    if best != NO_SLOT {
+        let (block, lane) = block_of(bvh, best);
+        let [a, b, c] = triangle(block, lane, frame);
+        if (Canonical::new(a, b, c).depth(wide(d)), block.prim[lane]) <= (t, prim) {
             return None;
         }
-        let t = self.plane.depth(wide(d));
-        // What is cheaper decides first.
-        if !(t >= f64::from(tnear) && t <= f64::from(tfar)) {
-            return None;
-        }
-        if best != NO_SLOT {
-            if self.best.0 != best {
-                let (block, lane) = block_of(bvh, best);
-                let [a, b, c] = triangle(block, lane, frame);
-                self.best = (best, Canonical::new(a, b, c), block.prim[lane]);
-            }
-            if (self.best.1.depth(wide(d)), self.best.2) <= (t, self.prim) {
-                return None;
-            }
-        }
-        let [a, b, c] = self.corners;
-        (pierced || passes(a, b, c, d)).then_some(t)
     }
+    passes(a, b, c, d).then_some(t)
 }
 
 /// An interval of inverse depths around canonical depth `t`, wide enough for its rounding.

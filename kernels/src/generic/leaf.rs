@@ -10,13 +10,15 @@
 //! axis-aligned wall has an exact normal, and a small permanent says so. For |u|, |v| <= 1, fused or not:
 //!
 //! * The edge normal of b and c is (b + c) x (c - b) = 2 b x c. Sum and difference are off by e each, products and
-//!   their difference by e each, the evaluation by 3 e: at most 7 e times the sum of the permanent's components in
-//!   all. `K` = 16 e allows twice that, which also covers adding the bound itself, and evaluation at the corner of a
-//!   slope rectangle.
-//! * With P = the sum of perm((b - a) x (c - a)) and A = its dot product with |a|, the numerator n . d is off by 7 e P
-//!   and the denominator n . a by 7 e A. With g = A / |n . a|, the inverse depth is off by at most
-//!   (P / |n . a|) (7 e + 7 e g); again `K` allows about twice that. It holds while n . a is known to a few per cent:
-//!   where it is not, the triangle is *doubtful* and every ray that might meet it is decided exactly.
+//!   their difference by e each: a coefficient by 4 e of its permanent. The evaluation adds 3 e at most, the bound added
+//!   to the constant e where that is not among them: 7 e times the sum of the permanent's components in all. `K` = 10 e
+//!   also covers terms of second order and the rounding of the bound itself. At the corner of a slope rectangle the same
+//!   operations are done.
+//! * With P = the sum of perm((b - a) x (c - a)) and A = its dot product with |a|, n is off by 4 e P and the denominator
+//!   n . a by 7 e A. With g = A / |n . a| >= 1, the inverse depth is off by at most (P / |n . a|) (11 e + 7 e g): 4 e for n,
+//!   7 e g for the denominator, e each for the quotient, the product with it, adding and subtracting the bound, and
+//!   3 e for the evaluation. `K` (1 + g) is more, by 10 %, as long as n . a is known to 6 per cent: where it is not, the
+//!   triangle is *doubtful* and every ray that might meet it is decided exactly.
 //! * [`TINY`] covers underflow.
 //!
 //! The bounds are folded into the constant coefficients, so that testing "possibly inside" costs nothing extra. Without
@@ -30,8 +32,8 @@ use crate::{
     visibility::Policy,
 };
 
-/// 16 * 2^-24.
-const K: f32 = 9.536_743e-7;
+/// 10 * 2^-24.
+const K: f32 = 5.960_464_5e-7;
 /// Above anything that underflow can hide in a product of two differences of coordinates.
 pub(super) const TINY: f32 = 1.0e-36;
 

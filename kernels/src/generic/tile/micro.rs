@@ -61,7 +61,7 @@ impl<'a> Meeting<'a> {
         let mut scratch = TileScratch::new();
         let mut hits = TileHits::new();
         super::intersect::<_, Exact>(s, &bvh, &packet, &mut scratch, &mut hits);
-        let mut fresh = State::EMPTY;
+        let mut fresh = State::new();
         fresh.begin::<_, Exact>(s, &packet);
         let mut meeting = Meeting {
             bvh,
@@ -236,15 +236,8 @@ impl Kernel for TriangleTest<'_, '_> {
             I32::splat(s, NO_SLOT).store(&mut state.slot[sub]);
         }
         for pair in &*pairs {
-            triangles::test::<S, Exact, false>(
-                s,
-                bvh,
-                packet,
-                state,
-                &leaves[pair.leaf],
-                pair.slot,
-                pair.sub,
-            );
+            let planes = &leaves[pair.leaf];
+            triangles::test::<S, Exact, false>(s, bvh, packet, state, planes, pair.slot, pair.sub);
         }
     }
 }

@@ -9,6 +9,7 @@
 //!   packet.
 //! * `triangles`: each against the tile (lane = triangle), the sub-packets (lane = sub-packet), and only where that
 //!   leaves doubt against rays (lane = ray).
+//! * `doubts`: rays that this cannot decide, sixteen of a sub-packet at a time in f64, then exactly.
 //!
 //! # Why culling never loses a hit
 //!
@@ -20,6 +21,7 @@
 
 mod block;
 mod boxes;
+mod doubts;
 mod early;
 pub mod micro;
 mod scratch;
@@ -38,6 +40,7 @@ use crate::{
     visibility::Policy,
 };
 use boxes::Boxes;
+use doubts::Contenders;
 use triangles::Batch;
 
 /// Sixteen floats for each sub-packet: one per ray.
@@ -61,6 +64,9 @@ struct State {
     /// Working space of `walk` and `triangles`.
     boxes: Boxes,
     batch: Batch,
+    /// Stands for tree, origin and face; see `scratch`.
+    epoch: u32,
+    contenders: Contenders,
     /// Slot of the triangle that decided a ray last.
     last: u32,
     /// Rays still to be decided.
@@ -89,6 +95,7 @@ pub(crate) fn intersect<S: Simd, V: Policy>(
     let TileScratch { state, leaves, planes } = scratch;
     state.begin::<S, V>(s, packet);
     leaves.begin::<V>(bvh, packet);
+    state.epoch = leaves.epoch();
     walk::traverse::<S, V, false>(s, bvh, packet, state, leaves, bvh.root);
     finish::hits(s, bvh, packet, &state.frame, planes, leaves.epoch(), &state.slot, hits);
     state.doubts
@@ -110,6 +117,7 @@ pub(crate) fn occluded<S: Simd, V: Policy>(
     let TileScratch { state, leaves, .. } = scratch;
     state.begin::<S, V>(s, packet);
     leaves.begin::<V>(bvh, packet);
+    state.epoch = leaves.epoch();
     let started = state.live;
     if seed.is_leaf() && seed.block() < bvh.blocks.len() {
         let subs = state.live_subs;
@@ -125,25 +133,30 @@ pub(crate) fn occluded<S: Simd, V: Policy>(
 }
 
 impl State {
-    const EMPTY: State = State {
-        lo: [[0.0; 16]; SUBS],
-        hi: [[0.0; 16]; SUBS],
-        slot: [[NO_SLOT; 16]; SUBS],
-        u: [[0.0; SUBS]; 2],
-        v: [[0.0; SUBS]; 2],
-        reach: [0.0; SUBS],
-        boxes: Boxes::NONE,
-        batch: Batch::NONE,
-        last: NO_SLOT,
-        doubts: 0,
-        live: [0; SUBS],
-        live_subs: 0,
-        tile_u: [0.0; 2],
-        tile_v: [0.0; 2],
-        tile_reach: 0.0,
-        frame: Frame { org: [0.0; 3], axes: [1, 2, 0], flip: 0 },
-        early: TileEarly::ALL,
-    };
+    /// Nothing known of any packet.
+    fn new() -> State {
+        State {
+            lo: [[0.0; 16]; SUBS],
+            hi: [[0.0; 16]; SUBS],
+            slot: [[NO_SLOT; 16]; SUBS],
+            u: [[0.0; SUBS]; 2],
+            v: [[0.0; SUBS]; 2],
+            reach: [0.0; SUBS],
+            boxes: Boxes::NONE,
+            batch: Batch::NONE,
+            epoch: 1,
+            contenders: Contenders::new(),
+            last: NO_SLOT,
+            doubts: 0,
+            live: [0; SUBS],
+            live_subs: 0,
+            tile_u: [0.0; 2],
+            tile_v: [0.0; 2],
+            tile_reach: 0.0,
+            frame: Frame { org: [0.0; 3], axes: [1, 2, 0], flip: 0 },
+            early: TileEarly::ALL,
+        }
+    }
 
     /// Forgets the previous packet.
     #[inline(always)]

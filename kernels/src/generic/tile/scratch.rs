@@ -35,7 +35,7 @@ impl TileScratch {
     /// Nothing remembered.
     pub fn new() -> TileScratch {
         TileScratch {
-            state: Box::new(State::EMPTY),
+            state: Box::new(State::new()),
             leaves: LeafCache::new(),
             planes: Box::new(Planes::new()),
         }

@@ -3,7 +3,7 @@
 //! ```text
 //!   leaf --(lane = triangle)--> triangles that the tile may meet: a list
 //!     each --(lane = sub-packet)--> pairs of a triangle and a sub-packet that may meet it: a list
-//!       each --(lane = ray)--> rays it misses | hits | doubtful: decided exactly
+//!       each --(lane = ray)--> rays it misses | hits | doubtful: decided in f64, then exactly
 //! ```
 //!
 //! The lists are why the processor seldom guesses wrong and seldom waits: entries are appended without branches, and
@@ -13,16 +13,14 @@
 use super::{
     State,
     block::{BlockPlanes, DEPTH},
+    doubts::Settle,
     rays,
     scratch::LeafCache,
 };
 use crate::{
-    generic::{
-        F16,
-        doubt::{Duel, inverse_interval},
-    },
+    generic::F16,
     node::{BvhView, NodeRef},
-    packet::{SUB, SUBS, TilePacket},
+    packet::{SUBS, TilePacket},
     simd::Simd,
     vector::{I32, Mask},
     visibility::Policy,
@@ -172,7 +170,7 @@ pub(super) fn sub_packets<S: Simd>(s: S, planes: &BlockPlanes, lane: usize, stat
     inside.bits()
 }
 
-/// Tests the rays of a sub-packet against the triangle in `slot`; true if any was decided.
+/// Tests the rays of a sub-packet against the triangle in `slot`: true if any was decided.
 #[inline(always)]
 pub(super) fn test<S: Simd, V: Policy, const ANY: bool>(
     s: S,
@@ -214,42 +212,8 @@ pub(super) fn test<S: Simd, V: Policy, const ANY: bool>(
     let doubtful = candidates & !sure;
     let mut decided = sure != 0;
     if V::EXACT && doubtful != 0 {
-        decided |= settle::<ANY>(bvh, packet, state, [doubtful, pierced.bits()], sub, slot);
-    }
-    decided
-}
-
-/// Decides the doubtful rays of a sub-packet exactly; true if one hits. Those `pierced` are known to pass through the
-/// triangle: only depth is in doubt, as where two surfaces coincide.
-#[cold]
-#[inline(never)]
-fn settle<const ANY: bool>(
-    bvh: &BvhView,
-    packet: &TilePacket,
-    state: &mut State,
-    [mut doubtful, pierced]: [u32; 2],
-    sub: usize,
-    slot: u32,
-) -> bool {
-    state.doubts += u64::from(doubtful.count_ones());
-    let mut duel = Duel::new(bvh, &state.frame, slot);
-    let mut decided = false;
-    while doubtful != 0 {
-        let i = doubtful.trailing_zeros() as usize;
-        doubtful &= doubtful - 1;
-        let ray = sub * SUB + i;
-        let direction = [packet.u[ray], packet.v[ray], 1.0];
-        let best = state.slot[sub][i];
-        let pierced = pierced >> i & 1 != 0;
-        if let Some(t) = duel.nearer(bvh, &state.frame, direction, [0.0, packet.tfar(ray)], best, pierced) {
-            decided = true;
-            if ANY {
-                state.live[sub] &= !(1 << i);
-            } else {
-                (state.lo[sub][i], state.hi[sub][i]) = inverse_interval(t);
-                state.slot[sub][i] = slot;
-            }
-        }
+        let (rays, pierced) = (doubtful, pierced.bits());
+        decided |= s.apart(Settle::<ANY> { bvh, packet, state, slot, sub, rays, pierced });
     }
     decided
 }

@@ -5,6 +5,7 @@ mod bad_input; // numbers without a meaning
 mod batch; // many rays at once against single rays
 mod beam; // beams of general rays against single rays
 mod build; // trees on every kind of input
+mod effects; // effects against closed forms; one image whatever simulates them
 mod early; // early terminations and orders; the study of coherence
 mod cli; // the commands as users run them
 #[cfg(all(target_arch = "x86_64", target_os = "linux"))]

@@ -3,6 +3,7 @@
 use glam::Vec3;
 use irt::{
     bvh::BuildPreset,
+    effects::EffectChoice,
     kernels::{Face, Hit, Isa, Kernels, MISS, Ray, Visibility, exact},
     render::RenderOptions,
     scene::{Part, TriangleMesh},
@@ -27,6 +28,7 @@ pub(crate) const RENDER: RenderOptions = RenderOptions {
     build: BuildPreset::Fast,
     seed: 0,
     early: EarlyTermination::FASTEST,
+    effects: EffectChoice::Auto,
 };
 
 /// The kernels of every instruction set of this machine.

@@ -5,7 +5,7 @@
 //! depend on how pixels are grouped. The arithmetic is plain `*`, `+` and `/` in f32, in one order.
 
 use crate::{
-    kernels::{F32, Face, I32, Kernel, Kernels, Lanes, SUB, SUBS, Simd, TILE_RAYS, TilePacket},
+    kernels::{F32, Face, I32, Kernel, Kernels, Lanes, MISS, Ray, SUB, SUBS, Simd, TILE_RAYS, TilePacket},
     scene::CameraDescription,
 };
 use glam::Vec3;
@@ -74,6 +74,22 @@ impl Camera {
         self.corner + self.step[0] * x as f32 + self.step[1] * y as f32
     }
 
+    /// Growth of the width of a pixel per unit of distance, in the middle of the image.
+    pub fn spread(&self) -> f32 {
+        self.step[0].length()
+    }
+
+    /// The ray through the place (x, y) of the image, in pixels from the centre of pixel (0, 0), that goes through `lens` (of
+    /// the unit disc) of a lens of radius `aperture` that is in focus at the distance `focus`; of length 1.
+    pub fn lens_ray(&self, [x, y]: [f32; 2], lens: [f32; 2], aperture: f32, focus: f32) -> Ray {
+        let [right, up] = self.step.map(|step| step / step.length());
+        let offset = (right * lens[0] + up * lens[1]) * aperture;
+        let at = self.corner + self.step[0] * x + self.step[1] * y;
+        let dir = (at * focus - offset).normalize();
+        let org = (self.eye + offset).to_array();
+        Ray { org, dir: dir.to_array(), tnear: 0.0, tfar: f32::INFINITY, skip: MISS }
+    }
+
     /// The primary rays of the 16x16 pixels at (x, y); only the first `width` x `height` of them take part. Rays are
     /// grouped by face: nearly always all go into `packets[0]`, and the number of packets used is returned.
     pub fn rays(
@@ -81,6 +97,19 @@ impl Camera {
         kernels: &Kernels,
         [x, y]: [u32; 2],
         [width, height]: [u32; 2],
+        packets: &mut [TilePacket; 6],
+    ) -> usize {
+        self.jittered_rays(kernels, [x, y], [width, height], &OFFSETS, packets)
+    }
+
+    /// The same rays elsewhere in their pixels: `places` has where, by axis and ray, in pixels from the centre of the first
+    /// pixel; see [`pixel_of`].
+    pub fn jittered_rays(
+        &self,
+        kernels: &Kernels,
+        [x, y]: [u32; 2],
+        [width, height]: [u32; 2],
+        places: &[[f32; TILE_RAYS]; 2],
         packets: &mut [TilePacket; 6],
     ) -> usize {
         let within = within(width, height);
@@ -93,7 +122,7 @@ impl Camera {
         let mut face = first;
         while left != [0; SUBS] {
             let packet = &mut packets[used];
-            kernels.run(Directions { camera: self, at, face, packet });
+            kernels.run(Directions { camera: self, places, at, face, packet });
             let mut any = 0;
             for ((active, within), left) in packet.active.iter_mut().zip(&within).zip(&mut left) {
                 *active &= within;
@@ -138,6 +167,7 @@ fn within(width: u32, height: u32) -> [u16; SUBS] {
 /// Puts the slopes of 256 pixels into a packet, and which of them are of one face into its active rays.
 struct Directions<'a> {
     camera: &'a Camera,
+    places: &'a [[f32; TILE_RAYS]; 2],
     at: [f32; 2],
     face: Face,
     packet: &'a mut TilePacket,
@@ -148,13 +178,13 @@ impl Kernel for Directions<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let Directions { camera, at, face, packet } = self;
+        let Directions { camera, places, at, face, packet } = self;
         let [iu, iv, _] = face.axes();
         let wanted = I32::splat(s, face.index() as u32);
         for sub in 0..SUBS {
             let first = sub * SUB;
-            let x = F32::<S, 16>::load_at(s, &OFFSETS[0], first) + F32::splat(s, at[0]);
-            let y = F32::load_at(s, &OFFSETS[1], first) + F32::splat(s, at[1]);
+            let x = F32::<S, 16>::load_at(s, &places[0], first) + F32::splat(s, at[0]);
+            let y = F32::load_at(s, &places[1], first) + F32::splat(s, at[1]);
             let mut dir = [x; 3];
             for k in 0..3 {
                 dir[k] = F32::splat(s, camera.corner[k])

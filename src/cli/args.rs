@@ -1,9 +1,10 @@
 //! What was typed. Values are checked one by one here; what they mean together is settled in `options`.
 
 use super::study_args::{BenchArgs, CoherenceArgs, ScalingArgs, StabilityArgs};
-use super::value::{IsaChoice, field_of_view, number, one_of, size, vector, whole};
+use super::value::{IsaChoice, field_of_view, number, one_of, share, size, vector, whole};
 use crate::{
     bvh::BuildPreset,
+    effects::EffectChoice,
     kernels::{Isa, Visibility},
     scene::procedural,
     schedule::{FilmMode, Strategy},
@@ -91,7 +92,30 @@ pub(super) struct RenderArgs {
     #[command(flatten)]
     pub(super) view: ViewArgs,
     #[command(flatten)]
+    pub(super) sampling: SamplingArgs,
+    #[command(flatten)]
     pub(super) engine: EngineArgs,
+}
+
+/// How far light is followed, and by how many samples.
+#[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "Sampling")]
+pub(super) struct SamplingArgs {
+    /// Camera rays per pixel [default: the scene's, or 1]
+    #[arg(long, value_name = "N", value_parser = whole(1..=65_536u32), allow_negative_numbers = true)]
+    pub(super) samples: Option<u32>,
+    /// Shadow rays per camera ray to each light with an extent [default: the scene's, or 16]
+    #[arg(long, value_name = "N", value_parser = whole(1..=65_536u32), allow_negative_numbers = true)]
+    pub(super) light_samples: Option<u32>,
+    /// Diffuse reflections that indirect light is followed over [default: the scene's, or 0]
+    #[arg(long, value_name = "N", value_parser = whole(0..=1024u32), allow_negative_numbers = true)]
+    pub(super) bounces: Option<u32>,
+    /// Reflections and refractions in a row after which light ends [default: the scene's, or 8]
+    #[arg(long, value_name = "N", value_parser = whole(0..=1024u32), allow_negative_numbers = true)]
+    pub(super) max_depth: Option<u32>,
+    /// Share of a pixel below which light is not followed [default: the scene's, or 1/512]
+    #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
+    pub(super) cutoff: Option<f32>,
 }
 
 /// What replaces the scene's own camera and lights.
@@ -190,6 +214,10 @@ pub(super) struct EngineArgs {
     /// Which searches of the tile kernel end early: none, or some of pet-bound, pet-seed, set, occ, area
     #[arg(long, value_name = "LIST", default_value_t = EarlyTermination::default())]
     pub(super) early_termination: EarlyTermination,
+    /// Effects to simulate: auto takes those that the scene calls for, all the same by the kernel for all effects, and a
+    /// list with commas between only those of the list
+    #[arg(long, value_name = "auto|all|LIST", default_value_t = EffectChoice::default())]
+    pub(super) effects: EffectChoice,
 }
 
 /// `irt inspect`.

@@ -1,8 +1,9 @@
 //! `irt inspect`.
 
-use super::{args::InspectArgs, effects::effects, export::Export, interrupt, terminal};
+use super::{args::InspectArgs, export::Export, interrupt, terminal};
 use crate::{
     bvh::{Bvh, TreeReport},
+    effects::Reasons,
     error::Result,
     report::{bytes, count, significant, to_json},
     scene::{CameraReport, LightReport, SceneReport, Share, load},
@@ -43,7 +44,7 @@ pub(super) fn run(args: &InspectArgs) -> Result<()> {
     let bvh = Bvh::build(&scene.mesh, args.build)?;
     let inspection = Inspection {
         scene: scene.report(),
-        effects: effects(&scene),
+        effects: Reasons::new(&scene).set().iter().map(|effect| effect.to_string()).collect(),
         load_seconds,
         tree: Tree {
             preset: args.build.to_string(),

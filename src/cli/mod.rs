@@ -10,7 +10,6 @@ mod args;
 mod bench;
 mod coherence;
 mod common;
-mod effects;
 mod export;
 mod inspect;
 mod interrupt;

@@ -1,6 +1,6 @@
 //! What the arguments mean: validated options of the library.
 
-use super::args::{EngineArgs, RenderArgs, ViewArgs};
+use super::args::{EngineArgs, RenderArgs, SamplingArgs, ViewArgs};
 use crate::{
     error::{Error, Result},
     render::{RenderOptions, choose_kernels},
@@ -50,6 +50,7 @@ pub(super) fn render_options(args: &RenderArgs, scene: &Scene) -> Result<RenderO
         tile,
         build,
         early_termination,
+        effects,
     } = args.engine;
     let size = args.size.unwrap_or(scene.size);
     check_tiles(size, tile)?;
@@ -69,6 +70,7 @@ pub(super) fn render_options(args: &RenderArgs, scene: &Scene) -> Result<RenderO
         build,
         seed,
         early: early_termination,
+        effects,
     })
 }
 
@@ -102,6 +104,16 @@ pub(super) fn replace_view(scene: &mut Scene, args: &ViewArgs) -> Result<()> {
         scene.lights = args.light.iter().map(light).collect();
     }
     Ok(())
+}
+
+/// Replaces the scene's sampling by that of the command line.
+pub(super) fn replace_sampling(scene: &mut Scene, args: &SamplingArgs) {
+    let settings = &mut scene.settings;
+    settings.samples = args.samples.unwrap_or(settings.samples);
+    settings.light_samples = args.light_samples.unwrap_or(settings.light_samples);
+    settings.bounces = args.bounces.unwrap_or(settings.bounces);
+    settings.max_depth = args.max_depth.unwrap_or(settings.max_depth);
+    settings.cutoff = args.cutoff.unwrap_or(settings.cutoff);
 }
 
 fn check_camera(camera: &CameraDescription) -> Result<()> {

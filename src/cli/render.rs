@@ -2,13 +2,13 @@
 
 use super::{
     args::{RenderArgs, Talk},
-    effects::effects,
     export::Export,
     interrupt,
-    options::{check, render_options, replace_view},
+    options::{check, render_options, replace_sampling, replace_view},
     terminal::{self, Progress},
 };
 use crate::{
+    effects::Effect,
     error::Result,
     output::OutputFile,
     render::{FrameReport, RenderOptions, Rendered, render},
@@ -36,6 +36,7 @@ pub(super) fn run(args: &RenderArgs, talk: Talk) -> Result<()> {
         log::warn!("{warning}");
     }
     replace_view(&mut scene, &args.view)?;
+    replace_sampling(&mut scene, &args.sampling);
     let options = render_options(args, &scene)?;
     let rendered = render_with_progress(&scene, &options, talk)?;
     warn_about(&scene, &rendered);
@@ -60,7 +61,9 @@ fn render_with_progress(scene: &Scene, options: &RenderOptions, talk: Talk) -> R
 
 /// Tells about what is probably not what the user wanted.
 fn warn_about(scene: &Scene, rendered: &Rendered) {
-    if scene.lights.is_empty() {
+    let lit =
+        rendered.effects.has_any(&[Effect::SoftShadows, Effect::EnvironmentLight, Effect::IndirectLight]);
+    if scene.lights.is_empty() && !lit {
         log::warn!("the scene has no light, only ambient light is seen; add some with --light X,Y,Z");
     }
     if let Some(nan) = rendered.nan {
@@ -96,7 +99,7 @@ fn summarise(
         film: options.schedule.film.to_string(),
         tile: options.tile,
         visibility: options.visibility.to_string(),
-        effects: effects(scene),
+        effects: rendered.effects.iter().map(|effect| effect.to_string()).collect(),
         build: BuildSummary {
             seconds: rendered.build_seconds,
             bytes: rendered.tree_bytes as u64,
@@ -117,7 +120,15 @@ fn summarise(
 }
 
 fn frame_summary(frame: &FrameReport) -> FrameSummary {
-    let rays = RayCounts { primary: frame.rays.primary, shadow: frame.rays.shadow, ..RayCounts::default() };
+    let rays = frame.rays;
+    let rays = RayCounts {
+        primary: rays.primary,
+        shadow: rays.shadow,
+        reflection: rays.reflection,
+        refraction: rays.refraction,
+        indirect: rays.indirect,
+        ambient: rays.ambient,
+    };
     FrameSummary {
         seconds: frame.seconds,
         rays,

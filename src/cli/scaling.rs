@@ -9,6 +9,7 @@ use super::{
     terminal,
 };
 use crate::{
+    effects::EffectChoice,
     error::{Error, Result},
     kernels::Visibility,
     output::OutputFile,
@@ -187,6 +188,7 @@ fn render_options(args: &ScalingArgs, scene: &Scene) -> Result<RenderOptions> {
         frames: 1,
         build: args.kernels.build,
         early: EarlyTermination::default(),
+        effects: EffectChoice::default(),
         seed: 0,
     })
 }

@@ -114,6 +114,14 @@ pub(super) fn number(text: &str) -> Result<f32, String> {
         .ok_or_else(|| format!("'{text}' is not a finite number; give one such as 1.5"))
 }
 
+/// Takes a share of a whole.
+pub(super) fn share(text: &str) -> Result<f32, String> {
+    number(text)
+        .ok()
+        .filter(|share| (0.0..=1.0).contains(share))
+        .ok_or_else(|| format!("'{text}' is no share; give a number from 0 to 1"))
+}
+
 /// Takes a vertical field of view in degrees.
 pub(super) fn field_of_view(text: &str) -> Result<f32, String> {
     number(text).ok().filter(|&degrees| degrees > 0.0 && degrees < 180.0).ok_or_else(|| {

@@ -9,7 +9,9 @@
 //!
 //! Leaving out an effect that is not called for changes no bit of the image; that is what makes it free.
 
+mod choice;
 mod derive;
 
 pub use crate::scene::{Effect, EffectSet};
+pub use choice::EffectChoice;
 pub use derive::{Reason, Reasons};

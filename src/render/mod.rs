@@ -5,15 +5,20 @@
 //!   tiles in order -> workers: rays -> hits -> surfaces -> light  per frame
 //!         -> film
 //! ```
+//!
+//! A scene that calls for more than hard shadows, highlights and smooth normals has its light followed further.
 
+mod follow;
 mod seeds;
 mod session;
 mod task;
 
+pub use crate::shade::RayTally;
 pub use session::{Session, Stage};
 
 use crate::{
     bvh::BuildPreset,
+    effects::{EffectChoice, EffectSet},
     error::{Error, Result},
     film::{Film, NanPixels},
     kernels::{Isa, Kernels, Visibility},
@@ -52,15 +57,8 @@ pub struct RenderOptions {
     pub seed: u64,
     /// Which searches of the tile kernel end early, and what they begin with.
     pub early: EarlyTermination,
-}
-
-/// A number for each kind of rays.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct RayTally {
-    /// From the camera.
-    pub primary: u64,
-    /// Between lights and surfaces.
-    pub shadow: u64,
+    /// Which effects are simulated, and by which kernel.
+    pub effects: EffectChoice,
 }
 
 /// One finished frame.
@@ -93,6 +91,8 @@ pub struct Rendered {
     pub build_seconds: f64,
     /// Bytes of the tree with its triangles.
     pub tree_bytes: usize,
+    /// Effects that were simulated.
+    pub effects: EffectSet,
     /// One entry per frame.
     pub frames: Vec<FrameReport>,
     /// Pixels that came out as NaN or infinite and were written black: a defect to report, or lights beyond the range of
@@ -149,6 +149,7 @@ pub fn render(scene: &Scene, options: &RenderOptions, control: &Control) -> Resu
         isa: stage.kernels.isa(),
         build_seconds: stage.build_seconds,
         tree_bytes: stage.bvh.bytes(),
+        effects: stage.set,
         frames,
         nan,
     })

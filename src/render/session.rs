@@ -7,12 +7,13 @@ use super::{
 use crate::{
     bvh::Bvh,
     camera::Camera,
+    effects::{Effect, EffectChoice, EffectSet, Reasons},
     error::Result,
     film::Film,
     kernels::Kernels,
     scene::Scene,
     schedule::{Control, FrameStats, Master, Placement, Schedule, with_workers},
-    shade::SurfaceTable,
+    shade::{PLAIN, PathTable, SurfaceTable},
     tile::{Tile, tiles},
 };
 use std::time::Instant;
@@ -24,6 +25,10 @@ pub struct Stage<'a> {
     pub(super) kernels: Kernels,
     pub(super) bvh: Bvh,
     table: SurfaceTable,
+    /// The effects that are simulated.
+    pub(super) set: EffectSet,
+    /// To follow light further than the first surfaces, where a scene calls for that.
+    paths: Option<PathTable<'a>>,
     /// To build the tree and the surface table.
     pub(super) build_seconds: f64,
 }
@@ -39,9 +44,11 @@ impl<'a> Stage<'a> {
         let kernels = choose_kernels(options.isa)?.with_visibility(options.visibility);
         scene.check()?;
         let start = Instant::now();
-        let (bvh, table) = (Bvh::build(&scene.mesh, options.build)?, SurfaceTable::new(scene));
+        let set = options.effects.set(&Reasons::new(scene));
+        let (bvh, table) = (Bvh::build(&scene.mesh, options.build)?, SurfaceTable::with_effects(scene, set));
+        let paths = (!is_plain(scene, set, options.effects)).then(|| PathTable::new(scene, set));
         let build_seconds = start.elapsed().as_secs_f64();
-        Ok(Stage { scene, options: *options, kernels, bvh, table, build_seconds })
+        Ok(Stage { scene, options: *options, kernels, bvh, table, set, paths, build_seconds })
     }
 
     /// The image cut into tiles of `side` pixels, in the stage's order.
@@ -59,7 +66,14 @@ impl<'a> Stage<'a> {
         placement: &Placement,
         body: impl FnOnce(&mut Session<'_, '_>) -> Result<R>,
     ) -> Result<R> {
-        let task = RenderTask::new(self.scene, &self.bvh, &self.table, self.kernels, &self.options);
+        let task = RenderTask::new(
+            self.scene,
+            &self.bvh,
+            &self.table,
+            self.paths.as_ref(),
+            self.kernels,
+            &self.options,
+        );
         let [width, height] = self.options.size;
         let camera = Camera::new(&self.scene.camera, width, height);
         with_workers(&task, placement, |master| {
@@ -117,4 +131,11 @@ impl Session<'_, '_> {
     pub(super) fn take_film(&mut self) -> Film {
         std::mem::replace(&mut self.film, Film::new(0, 0))
     }
+}
+
+/// Whether light need not be followed further than to the first surfaces.
+fn is_plain(scene: &Scene, set: EffectSet, choice: EffectChoice) -> bool {
+    let shadowless = !scene.lights.is_empty() && !set.has(Effect::HardShadows);
+    let smooth = set.has(Effect::SmoothNormals) && scene.settings.smooth_terminator;
+    PLAIN.includes(set) && choice != EffectChoice::All && !shadowless && !smooth
 }

@@ -1,29 +1,34 @@
 //! What a worker does with a tile.
 
 use super::{
-    RayTally, RenderOptions,
+    RenderOptions,
+    follow::Follow,
     seeds::{HitSeeds, NONE},
 };
 use crate::{
     bvh::Bvh,
     camera::{Camera, PACKET_SIDE, pixel_of},
     film::Film,
-    kernels::{Kernels, NodeRef, SEEDS, TILE_RAYS, TileEarly, TileHits, TilePacket, TileScratch},
+    kernels::{Kernels, NodeRef, RayBlock, SEEDS, TILE_RAYS, TileEarly, TileHits, TilePacket, TileScratch},
     scene::{Light, Scene},
     schedule::{FilmMode, TileTask},
-    shade::{LightRays, SurfaceTable, Surfaces, add_light, light_rays},
+    shade::{
+        LightRays, Meter, PathScratch, PathTable, RayTally, SurfaceTable, Surfaces, add_light, light_rays,
+    },
     tile::Tile,
-    trace::{EarlyTermination, NO_OCCLUDER, PointShadows, ShadowRays, Traced, Traversal},
+    trace::{EarlyTermination, NO_OCCLUDER, PointShadows, RayStream, ShadowRays, Traced, Traversal},
 };
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Everything that stays the same over many frames.
 pub(super) struct RenderTask<'a> {
     scene: &'a Scene,
     table: &'a SurfaceTable,
-    traversal: Traversal<'a>,
+    pub(super) traversal: Traversal<'a>,
     early: EarlyTermination,
     hit_seeds: HitSeeds,
+    /// Where light is followed further than to the first surfaces.
+    follow: Option<Follow<'a>>,
 }
 
 /// What belongs to one frame.
@@ -57,10 +62,8 @@ pub(super) struct TileReport {
 
 impl TileReport {
     pub(super) fn add(&mut self, other: &TileReport) {
-        self.rays.primary += other.rays.primary;
-        self.rays.shadow += other.rays.shadow;
-        self.doubts.primary += other.doubts.primary;
-        self.doubts.shadow += other.doubts.shadow;
+        self.rays.add(&other.rays);
+        self.doubts.add(&other.doubts);
         self.trace += other.trace;
         self.shade += other.shade;
     }
@@ -68,16 +71,22 @@ impl TileReport {
 
 /// Buffers of one worker.
 pub(super) struct Scratch {
-    packets: Box<[TilePacket; 6]>,
+    pub(super) packets: Box<[TilePacket; 6]>,
     hits: Box<TileHits>,
     tile_scratch: TileScratch,
     /// What the packet before has hit.
     hit_last: [NodeRef; SEEDS],
-    surfaces: Surfaces,
+    pub(super) surfaces: Surfaces,
     light_rays: LightRays,
-    shadows: PointShadows,
+    pub(super) shadows: PointShadows,
     /// The last occluder of each light.
-    seeds: Vec<NodeRef>,
+    pub(super) seeds: Vec<NodeRef>,
+    /// Shadow rays of directional lights.
+    blocks: Vec<RayBlock>,
+    blocked: Vec<u16>,
+    stream: RayStream,
+    /// Where rays go on from the first surfaces.
+    pub(super) path: PathScratch,
     pixels: [Vec<f32>; 3],
 }
 
@@ -86,12 +95,15 @@ impl<'a> RenderTask<'a> {
         scene: &'a Scene,
         bvh: &'a Bvh,
         table: &'a SurfaceTable,
+        paths: Option<&'a PathTable<'a>>,
         kernels: Kernels,
         options: &RenderOptions,
     ) -> RenderTask<'a> {
         let RenderOptions { kernel, early, size, .. } = *options;
         let hit_seeds = HitSeeds::new(early, size);
-        RenderTask { scene, table, traversal: Traversal::new(bvh, kernels, kernel), early, hit_seeds }
+        let traversal = Traversal::new(bvh, kernels, kernel);
+        let follow = paths.map(|paths| Follow::new(scene, table, paths, traversal, options));
+        RenderTask { scene, table, traversal, early, hit_seeds, follow }
     }
 }
 
@@ -112,18 +124,30 @@ impl TileTask for RenderTask<'_> {
             light_rays: LightRays::default(),
             shadows,
             seeds: vec![NO_OCCLUDER; self.scene.lights.len()],
+            blocks: Vec::new(),
+            blocked: Vec::new(),
+            stream: RayStream::default(),
+            path: PathScratch::default(),
             pixels: [Vec::new(), Vec::new(), Vec::new()],
         }
     }
 
     fn run(&self, frame: &Frame, tile: Tile, scratch: &mut Scratch, report: &mut TileReport) {
-        let mut clock = Clock::start();
-        self.see(frame, tile, scratch, &mut clock);
-        scratch.surfaces.finish(self.traversal.kernels());
-        for (index, light) in self.scene.lights.iter().enumerate() {
-            self.light(light, index, scratch, &mut clock);
+        let mut meter = Meter::start();
+        match &self.follow {
+            Some(follow) => {
+                let samples = follow.run(self, &frame.camera, tile, scratch, &mut meter);
+                in_pixel_order(tile, scratch.path.finish(samples), &mut scratch.pixels);
+            }
+            None => {
+                self.see(&frame.camera, tile, scratch, &mut meter);
+                scratch.surfaces.finish(self.traversal.kernels());
+                for (index, light) in self.scene.lights.iter().enumerate() {
+                    self.light(light, index, scratch, &mut meter);
+                }
+                in_pixel_order(tile, &scratch.surfaces.color, &mut scratch.pixels);
+            }
         }
-        in_pixel_order(tile, scratch);
         match frame.mode {
             FilmMode::Shared => {
                 let [r, g, b] = &scratch.pixels;
@@ -132,15 +156,29 @@ impl TileTask for RenderTask<'_> {
             // The old buffers come back with the next message.
             FilmMode::Messages => std::mem::swap(&mut report.pixels, &mut scratch.pixels),
         }
-        clock.shade();
-        clock.report(report);
+        meter.shade();
+        let Meter { rays, doubts, trace, shade, .. } = meter;
+        (report.rays, report.doubts, report.trace, report.shade) = (rays, doubts, trace, shade);
     }
 }
 
 impl RenderTask<'_> {
     /// Primary rays: fills the surfaces of the tile, packet by packet of 16x16 pixels.
-    fn see(&self, frame: &Frame, tile: Tile, scratch: &mut Scratch, clock: &mut Clock) {
-        let Scratch { packets, hits, tile_scratch, hit_last, surfaces, .. } = scratch;
+    fn see(&self, camera: &Camera, tile: Tile, scratch: &mut Scratch, meter: &mut Meter) {
+        self.see_with(tile, scratch, meter, |_, at, inside, packets| {
+            camera.rays(self.traversal.kernels(), at, inside, packets)
+        });
+    }
+
+    /// The same, with `rays` to make the rays of a packet, given its number, place and how much of the tile is left.
+    pub(super) fn see_with(
+        &self,
+        tile: Tile,
+        scratch: &mut Scratch,
+        meter: &mut Meter,
+        mut rays: impl FnMut(usize, [u32; 2], [u32; 2], &mut [TilePacket; 6]) -> usize,
+    ) {
+        let Scratch { packets, hits, tile_scratch, hit_last, surfaces, path, .. } = scratch;
         let EarlyTermination { pet_bound: bound, pet_seed, area, .. } = self.early;
         tile_scratch.set_early(TileEarly { bound, ..TileEarly::ALL });
         let corners = packet_corners(tile);
@@ -148,34 +186,37 @@ impl RenderTask<'_> {
         for (index, [x, y]) in corners.enumerate() {
             let inside = [tile.width - x, tile.height - y];
             let at = [tile.x + x, tile.y + y];
-            let used = frame.camera.rays(self.traversal.kernels(), at, inside, packets);
+            let used = rays(index, at, inside, packets);
             for packet in &packets[..used] {
-                clock.shade();
+                meter.shade();
                 if pet_seed {
                     let seeds = if area > 0 { self.hit_seeds.get(at) } else { *hit_last };
                     tile_scratch.set_early(TileEarly { bound, seeds, ..TileEarly::ALL });
                 }
-                clock.doubts.primary += self.traversal.intersect(packet, tile_scratch, hits);
+                meter.doubts.primary += self.traversal.intersect(packet, tile_scratch, hits);
                 if pet_seed {
                     *hit_last = tile_scratch.hit_seeds(packet);
                     self.hit_seeds.put(at, *hit_last);
                 }
-                clock.trace();
+                meter.trace();
                 surfaces.gather(self.traversal.kernels(), self.table, index, packet, hits);
+                if self.follow.is_some() {
+                    path.keep(surfaces, index, packet, hits);
+                }
             }
         }
-        clock.rays.primary += tile.len() as u64;
+        meter.rays.primary += tile.len() as u64;
     }
 
     /// Adds one light to the surfaces of the tile.
-    fn light(&self, light: &Light, index: usize, scratch: &mut Scratch, clock: &mut Clock) {
-        let Scratch { surfaces, light_rays: rays, shadows, seeds, .. } = scratch;
+    fn light(&self, light: &Light, index: usize, scratch: &mut Scratch, meter: &mut Meter) {
+        let Scratch { surfaces, light_rays: rays, shadows, seeds, blocks, blocked, stream, .. } = scratch;
         let kernels = self.traversal.kernels();
         light_rays(kernels, self.table, surfaces, light, rays);
-        clock.shade();
+        meter.shade();
         let traced = match *light {
             Light::Point { position, .. } | Light::Spot { position, .. } => {
-                let stream = ShadowRays {
+                let wanted = ShadowRays {
                     u: &rays.u,
                     v: &rays.v,
                     tfar: &rays.limit,
@@ -183,31 +224,27 @@ impl RenderTask<'_> {
                     face: &rays.face,
                 };
                 let origin = position.to_array();
-                shadows.trace(&self.traversal, origin, &stream, &mut seeds[index], &mut rays.visible)
+                shadows.trace(&self.traversal, origin, &wanted, &mut seeds[index], &mut rays.visible)
             }
             Light::Directional { direction, .. } => {
-                let mut traced = Traced::default();
-                for i in 0..rays.visible.len() {
-                    if rays.visible[i] > 0.0 {
-                        traced.rays += 1;
-                        let ray = rays.directional_ray(surfaces, i, direction);
-                        if self.traversal.occluded_ray(&ray, &mut traced.doubts) {
-                            rays.visible[i] = 0.0;
-                        }
-                    }
-                }
-                traced
+                rays.directional_blocks(surfaces, direction, blocks);
+                blocked.clear();
+                blocked.resize(blocks.len(), 0);
+                let doubts = stream.occluded(&self.traversal, blocks, blocked);
+                rays.block(blocked);
+                let count = blocks.iter().map(|block| u64::from(block.active.count_ones())).sum();
+                Traced { rays: count, doubts }
             }
         };
-        clock.rays.shadow += traced.rays;
-        clock.doubts.shadow += traced.doubts;
-        clock.trace();
+        meter.rays.shadow += traced.rays;
+        meter.doubts.shadow += traced.doubts;
+        meter.trace();
         add_light(kernels, light, rays, surfaces);
     }
 }
 
 /// Corners of the 16x16-pixel packets of a tile, relative to the tile, row by row.
-fn packet_corners(tile: Tile) -> impl Iterator<Item = [u32; 2]> + Clone {
+pub(super) fn packet_corners(tile: Tile) -> impl Iterator<Item = [u32; 2]> + Clone {
     let step = PACKET_SIDE as usize;
     let xs = move || (0..tile.width).step_by(step);
     (0..tile.height).step_by(step).flat_map(move |y| xs().map(move |x| [x, y]))
@@ -217,9 +254,8 @@ fn packet_corners(tile: Tile) -> impl Iterator<Item = [u32; 2]> + Clone {
 const RUN: usize = 4;
 
 /// Brings the colours from packet order into pixel order.
-fn in_pixel_order(tile: Tile, scratch: &mut Scratch) {
-    let Scratch { surfaces, pixels, .. } = scratch;
-    for (plane, colors) in pixels.iter_mut().zip(&surfaces.color) {
+fn in_pixel_order(tile: Tile, colors: &[Vec<f32>; 3], pixels: &mut [Vec<f32>; 3]) {
+    for (plane, colors) in pixels.iter_mut().zip(colors) {
         plane.resize(tile.len(), 0.0);
         for ([left, top], colors) in packet_corners(tile).zip(colors.chunks_exact(TILE_RAYS)) {
             // Four rays that follow each other are four pixels side by side.
@@ -236,44 +272,5 @@ fn in_pixel_order(tile: Tile, scratch: &mut Scratch) {
                 }
             }
         }
-    }
-}
-
-/// Splits a tile's time into tracing and the rest.
-struct Clock {
-    rays: RayTally,
-    doubts: RayTally,
-    trace: Duration,
-    shade: Duration,
-    last: Instant,
-}
-
-impl Clock {
-    fn start() -> Clock {
-        let (rays, none) = (RayTally::default(), Duration::ZERO);
-        Clock { rays, doubts: rays, trace: none, shade: none, last: Instant::now() }
-    }
-
-    fn lap(&mut self) -> Duration {
-        let now = Instant::now();
-        now - std::mem::replace(&mut self.last, now)
-    }
-
-    /// What happened since the last call was tracing.
-    fn trace(&mut self) {
-        let lap = self.lap();
-        self.trace += lap;
-    }
-
-    /// What happened since the last call was anything else.
-    fn shade(&mut self) {
-        let lap = self.lap();
-        self.shade += lap;
-    }
-
-    /// Replaces the figures of `report`.
-    fn report(self, report: &mut TileReport) {
-        let Clock { rays, doubts, trace, shade, .. } = self;
-        (report.rays, report.doubts, report.trace, report.shade) = (rays, doubts, trace, shade);
     }
 }

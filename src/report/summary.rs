@@ -80,14 +80,18 @@ pub struct RayCounts {
     pub shadow: u64,
     /// Mirrored.
     pub reflection: u64,
-    /// Refracted.
+    /// Refracted, or on their way through holes.
     pub refraction: u64,
+    /// Diffusely reflected.
+    pub indirect: u64,
+    /// Looking for what keeps ambient light away.
+    pub ambient: u64,
 }
 
 impl RayCounts {
     /// Rays of all kinds.
     pub fn total(&self) -> u64 {
-        self.primary + self.shadow + self.reflection + self.refraction
+        self.primary + self.shadow + self.reflection + self.refraction + self.indirect + self.ambient
     }
 }
 
@@ -143,12 +147,14 @@ impl Display for Summary {
 impl Summary {
     fn fmt_rays(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Some(last) = self.frames.last() else { return Ok(()) };
-        let RayCounts { primary, shadow, reflection, refraction } = last.rays;
+        let RayCounts { primary, shadow, reflection, refraction, indirect, ambient } = last.rays;
         let kinds = [
             ("primary", primary),
             ("shadow", shadow),
             ("reflection", reflection),
             ("refraction", refraction),
+            ("indirect", indirect),
+            ("ambient", ambient),
         ];
         let kinds: Vec<_> = kinds
             .iter()

@@ -56,7 +56,8 @@ impl Material {
     /// Whether it has a mirror image in it: `illum` 3 to 7.
     pub fn reflects(&self) -> bool {
         match self.illum {
-            3..=6 => self.ks != Vec3::ZERO,
+            3 | 4 | 6 => self.ks != Vec3::ZERO,
+            5 => self.ks != Vec3::ZERO && self.ni != 1.0,
             7 => self.ni != 1.0,
             _ => false,
         }

@@ -1,12 +1,12 @@
 //! Direct light: which surfaces a light could reach, and what it adds to those it does.
 
 use super::{
-    surface::{NO_FACE, Surfaces, dot, load3, splat3, store3},
+    surface::{NO_FACE, Planes, Surfaces, dot, load3, splat3, store3},
     table::{ROUNDING, SurfaceTable},
 };
 use crate::{
     camera::slopes,
-    kernels::{F32, I32, Kernel, Kernels, MISS, Mask, Ray, Simd},
+    kernels::{F32, I32, Kernel, Kernels, MISS, Mask, Ray, RayBlock, SUB, Simd},
     scene::{Falloff, Light},
     shade::power::power,
 };
@@ -39,8 +39,58 @@ impl LightRays {
 
     /// The ray from the surface of ray `i` towards a directional light that shines along `direction`.
     pub fn directional_ray(&self, surfaces: &Surfaces, i: usize, direction: Vec3) -> Ray {
-        let org = [0, 1, 2].map(|k| surfaces.point[k][i] + surfaces.ng[k][i] * self.lift);
+        self.directional_ray_from(&surfaces.point, surfaces, i, direction)
+    }
+
+    fn directional_ray_from(&self, points: &Planes, surfaces: &Surfaces, i: usize, direction: Vec3) -> Ray {
+        let org = [0, 1, 2].map(|k| points[k][i] + surfaces.ng[k][i] * self.lift);
         Ray { org, dir: (-direction).to_array(), tnear: 0.0, tfar: f32::INFINITY, skip: surfaces.prim[i] }
+    }
+
+    /// The same for all surfaces that may be lit, sixteen to a block; lane = surface.
+    pub fn directional_blocks(&self, surfaces: &Surfaces, direction: Vec3, blocks: &mut Vec<RayBlock>) {
+        self.blocks(blocks, |i| self.directional_ray(surfaces, i, direction));
+    }
+
+    /// Rays from all surfaces that may be lit to any light: from `points` to a directional light, which are lifted off the
+    /// surface, or from `starts`, which are off it already, to another.
+    pub(super) fn towards(
+        &self,
+        light: &Light,
+        surfaces: &Surfaces,
+        [points, starts]: [&Planes; 2],
+        blocks: &mut Vec<RayBlock>,
+    ) {
+        self.blocks(blocks, |i| match *light {
+            Light::Directional { direction, .. } => self.directional_ray_from(points, surfaces, i, direction),
+            Light::Point { position, .. } | Light::Spot { position, .. } => {
+                let org = [0, 1, 2].map(|k| starts[k][i]);
+                let dir = [0, 1, 2].map(|k| position[k] - org[k]);
+                Ray { org, dir, tnear: 0.0, tfar: 1.0, skip: surfaces.prim[i] }
+            }
+        });
+    }
+
+    fn blocks(&self, blocks: &mut Vec<RayBlock>, ray: impl Fn(usize) -> Ray) {
+        blocks.resize(self.visible.len() / SUB, RayBlock::EMPTY);
+        for (index, block) in blocks.iter_mut().enumerate() {
+            block.active = 0;
+            for lane in 0..SUB {
+                let i = index * SUB + lane;
+                if self.visible[i] > 0.0 {
+                    block.set(lane, &ray(i));
+                }
+            }
+        }
+    }
+
+    /// Takes note of surfaces that nothing reaches: bits by block of sixteen.
+    pub fn block(&mut self, blocked: &[u16]) {
+        for (index, blocked) in blocked.iter().enumerate().filter(|(_, blocked)| **blocked != 0) {
+            for lane in (0..SUB).filter(|lane| blocked >> lane & 1 != 0) {
+                self.visible[index * SUB + lane] = 0.0;
+            }
+        }
     }
 }
 
@@ -59,11 +109,23 @@ pub fn light_rays(
     light: &Light,
     rays: &mut LightRays,
 ) {
+    light_rays_to(kernels, table, surfaces, &surfaces.point, light, rays);
+}
+
+/// The same for rays that end at `points`, somewhere above the surfaces.
+pub(super) fn light_rays_to(
+    kernels: &Kernels,
+    table: &SurfaceTable,
+    surfaces: &Surfaces,
+    points: &Planes,
+    light: &Light,
+    rays: &mut LightRays,
+) {
     rays.resize(surfaces.len());
     match *light {
         Light::Point { position, .. } | Light::Spot { position, .. } => {
             let error = table.point_error + ROUNDING * position.abs().max_element();
-            kernels.run(FromPoint { surfaces, position, error, rays });
+            kernels.run(FromPoint { surfaces, points, position, error, rays });
         }
         Light::Directional { direction, .. } => {
             // The 1-norm of a unit vector is at most the square root of three.
@@ -75,6 +137,7 @@ pub fn light_rays(
 
 struct FromPoint<'a> {
     surfaces: &'a Surfaces,
+    points: &'a Planes,
     position: Vec3,
     error: f32,
     rays: &'a mut LightRays,
@@ -90,7 +153,7 @@ impl Kernel for FromPoint<'_> {
         let one = F32::splat(s, 1.0);
         let shorten = F32::splat(s, 1.0 - 2.0 * f32::EPSILON);
         for at in (0..surfaces.len()).step_by(16) {
-            let point = load3(s, &surfaces.point, at);
+            let point = load3(s, self.points, at);
             let ng = load3(s, &surfaces.ng, at);
             let d = [point[0] - light[0], point[1] - light[1], point[2] - light[2]];
             let toward = -dot(ng, d);
@@ -148,7 +211,20 @@ fn hit_lanes<S: Simd>(s: S, surfaces: &Surfaces, at: usize) -> Mask<S, 16> {
 
 /// Adds the light to all surfaces it reaches.
 pub fn add_light(kernels: &Kernels, light: &Light, rays: &LightRays, surfaces: &mut Surfaces) {
-    kernels.run(AddLight { light: Emitter::new(light), visible: &rays.visible, surfaces });
+    let light = Emitter::new(light);
+    kernels.run(AddLight::<false> { light, visible: &rays.visible, tint: None, surfaces });
+}
+
+/// The same for light of which `tint` is left.
+pub(super) fn add_tinted_light(
+    kernels: &Kernels,
+    light: &Light,
+    rays: &LightRays,
+    tint: &Planes,
+    surfaces: &mut Surfaces,
+) {
+    let light = Emitter::new(light);
+    kernels.run(AddLight::<true> { light, visible: &rays.visible, tint: Some(tint), surfaces });
 }
 
 /// A light with everything per-frame worked out.
@@ -191,18 +267,19 @@ impl Emitter {
     }
 }
 
-struct AddLight<'a> {
+struct AddLight<'a, const TINTED: bool> {
     light: Emitter,
     visible: &'a [f32],
+    tint: Option<&'a Planes>,
     surfaces: &'a mut Surfaces,
 }
 
-impl Kernel for AddLight<'_> {
+impl<const TINTED: bool> Kernel for AddLight<'_, TINTED> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let AddLight { light, visible, surfaces } = self;
+        let AddLight { light, visible, tint, surfaces } = self;
         let zero = F32::<S, 16>::splat(s, 0.0);
         for at in (0..surfaces.len()).step_by(16) {
             let visible = F32::<S, 16>::load_at(s, visible, at);
@@ -225,7 +302,10 @@ impl Kernel for AddLight<'_> {
             };
             let mut color = load3(s, &surfaces.color, at);
             for k in 0..3 {
-                let reflected = kd[k] * diffuse + ks[k] * glossy;
+                let mut reflected = kd[k] * diffuse + ks[k] * glossy;
+                if let Some(tint) = tint.filter(|_| TINTED) {
+                    reflected = reflected * F32::load_at(s, &tint[k], at);
+                }
                 color[k] = color[k] + F32::splat(s, light.intensity[k]) * reflected;
             }
             store3(color, &mut surfaces.color, at);
@@ -259,7 +339,7 @@ fn arriving<S: Simd>(s: S, light: &Emitter, surfaces: &Surfaces, at: usize) -> (
 
 /// The Blinn-Phong lobe: (n . h)^ns.
 #[inline(always)]
-fn highlight<S: Simd>(
+pub(super) fn highlight<S: Simd>(
     s: S,
     surfaces: &Surfaces,
     at: usize,

@@ -31,7 +31,7 @@ fn log2<S: Lanes<W>, const W: usize>(s: S, x: F32<S, W>) -> F32<S, W> {
 }
 
 #[inline(always)]
-fn exp2<S: Lanes<W>, const W: usize>(s: S, x: F32<S, W>) -> F32<S, W> {
+pub(super) fn exp2<S: Lanes<W>, const W: usize>(s: S, x: F32<S, W>) -> F32<S, W> {
     // Arguments are at most 0: truncation after subtracting a half rounds to nearest.
     let whole = (x - F32::splat(s, 0.5)).trunc();
     let f = (x - whole.to_float()) * F32::splat(s, std::f32::consts::LN_2);
@@ -41,7 +41,7 @@ fn exp2<S: Lanes<W>, const W: usize>(s: S, x: F32<S, W>) -> F32<S, W> {
 
 /// Coefficients from the highest power down, by Horner's rule.
 #[inline(always)]
-fn polynomial<S: Lanes<W>, const W: usize>(s: S, x: F32<S, W>, coefficients: &[f32]) -> F32<S, W> {
+pub(super) fn polynomial<S: Lanes<W>, const W: usize>(s: S, x: F32<S, W>, coefficients: &[f32]) -> F32<S, W> {
     let mut sum = F32::splat(s, coefficients[0]);
     for &coefficient in &coefficients[1..] {
         sum = sum * x + F32::splat(s, coefficient);

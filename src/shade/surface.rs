@@ -2,7 +2,8 @@
 
 use super::table::SurfaceTable;
 use crate::kernels::{
-    F32, Face, I32, Kernel, Kernels, MISS, Mask, SUB, SUBS, Simd, TILE_RAYS, TileHits, TilePacket,
+    F32, Face, HitBlock, I32, Kernel, Kernels, MISS, Mask, RayBlock, SUB, SUBS, Simd, TILE_RAYS, TileHits,
+    TilePacket,
 };
 
 /// Three planes of floats: x, y, z or r, g, b.
@@ -31,7 +32,11 @@ pub struct Surfaces {
 impl Surfaces {
     /// Makes room for `packets` packets of 256 rays, all of which missed and see `background`.
     pub fn reset(&mut self, packets: usize, background: [f32; 3]) {
-        let len = packets * TILE_RAYS;
+        self.reset_len(packets * TILE_RAYS, background);
+    }
+
+    /// The same for `len` rays, a multiple of 16.
+    pub(super) fn reset_len(&mut self, len: usize, background: [f32; 3]) {
         self.prim.clear();
         self.prim.resize(len, MISS);
         for planes in
@@ -71,6 +76,17 @@ impl Surfaces {
         kernels.run(Gather { surfaces: self, table, first: index * TILE_RAYS, packet, hits });
     }
 
+    /// Takes the hits of blocks of rays, in order. Points are not filled in.
+    pub(super) fn gather_blocks(
+        &mut self,
+        kernels: &Kernels,
+        table: &SurfaceTable,
+        blocks: &[RayBlock],
+        hits: &[HitBlock],
+    ) {
+        kernels.run(GatherBlocks { surfaces: self, table, blocks, hits });
+    }
+
     /// Normalises directions and turns normals towards the viewer.
     pub fn finish(&mut self, kernels: &Kernels) {
         kernels.run(Orient { surfaces: self });
@@ -97,7 +113,38 @@ impl Kernel for Gather<'_> {
             let hit = !missed & u32::from(self.packet.active[sub]);
             if hit != 0 {
                 self.place(s, sub, hit);
-                self.facets(s, sub, hit);
+                let (from, to) = (sub * SUB, self.first + sub * SUB);
+                let b = [F32::load_at(s, &self.hits.u, from), F32::load_at(s, &self.hits.v, from)];
+                facets(s, self.surfaces, self.table, prims, b, hit, to);
+            }
+        }
+    }
+}
+
+struct GatherBlocks<'a> {
+    surfaces: &'a mut Surfaces,
+    table: &'a SurfaceTable,
+    blocks: &'a [RayBlock],
+    hits: &'a [HitBlock],
+}
+
+impl Kernel for GatherBlocks<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let GatherBlocks { surfaces, table, blocks, hits } = self;
+        for (index, (block, hits)) in blocks.iter().zip(hits).enumerate() {
+            let to = index * SUB;
+            for axis in 0..3 {
+                surfaces.view[axis][to..to + SUB].copy_from_slice(&block.dir[axis]);
+            }
+            let missed = I32::<S, SUB>::load(s, &hits.prim).eq(I32::splat(s, MISS)).bits();
+            let hit = !missed & u32::from(block.active);
+            if hit != 0 {
+                surfaces.prim[to..to + SUB].copy_from_slice(&hits.prim);
+                let b = [F32::load(s, &hits.u), F32::load(s, &hits.v)];
+                facets(s, surfaces, table, &hits.prim, b, hit, to);
             }
         }
     }
@@ -122,52 +169,56 @@ impl Gather<'_> {
         let prim: &mut [u32; SUB] = (&mut surfaces.prim[to..to + SUB]).try_into().expect("16 lanes");
         mask.iselect(I32::load(s, prims), I32::load(s, prim)).store(prim);
     }
+}
 
-    /// Normals and materials: what neighbouring rays share is fetched once.
-    #[inline(always)]
-    fn facets<S: Simd>(&mut self, s: S, sub: usize, hit: u32) {
-        let (from, to) = (sub * SUB, self.first + sub * SUB);
-        let Gather { surfaces, table, hits, .. } = self;
-        let zero = F32::<S, SUB>::splat(s, 0.0);
-        let prims: &[u32; SUB] = &hits.prim.as_chunks().0[sub];
-        let prim = I32::<S, SUB>::load(s, prims);
-        let (mut ng, mut corner, mut material) = ([zero; 3], [[zero; 3]; 3], I32::splat(s, 0));
-        let mut left = hit;
-        while left != 0 {
-            let one = prims[(left.trailing_zeros() & 15) as usize];
-            let facet = &table.facets[one as usize];
-            let mask = prim.eq(I32::splat(s, one));
-            left &= !mask.bits();
-            for k in 0..3 {
-                ng[k] = mask.select(F32::splat(s, facet.ng[k]), ng[k]);
-                for i in 0..3 {
-                    corner[i][k] = mask.select(F32::splat(s, facet.corner[i][k]), corner[i][k]);
-                }
-            }
-            material = mask.iselect(I32::splat(s, facet.material), material);
-        }
-        let mask = Mask::from_bits(s, hit);
-        let (b1, b2) = (F32::load_at(s, &hits.u, from), F32::load_at(s, &hits.v, from));
-        let b0 = F32::splat(s, 1.0) - b1 - b2;
+/// Normals and materials of the surfaces from `to` on: what neighbouring rays share is fetched once.
+#[inline(always)]
+fn facets<S: Simd>(
+    s: S,
+    surfaces: &mut Surfaces,
+    table: &SurfaceTable,
+    prims: &[u32; SUB],
+    [b1, b2]: [F32<S, SUB>; 2],
+    hit: u32,
+    to: usize,
+) {
+    let zero = F32::<S, SUB>::splat(s, 0.0);
+    let prim = I32::<S, SUB>::load(s, prims);
+    let (mut ng, mut corner, mut material) = ([zero; 3], [[zero; 3]; 3], I32::splat(s, 0));
+    let mut left = hit;
+    while left != 0 {
+        let one = prims[(left.trailing_zeros() & 15) as usize];
+        let facet = &table.facets[one as usize];
+        let mask = prim.eq(I32::splat(s, one));
+        left &= !mask.bits();
         for k in 0..3 {
-            put(s, mask, ng[k], &mut surfaces.ng[k], to);
-            let ns = b0 * corner[0][k] + b1 * corner[1][k] + b2 * corner[2][k];
-            put(s, mask, ns, &mut surfaces.ns[k], to);
-        }
-        let mut numbers = [0; SUB];
-        material.store(&mut numbers);
-        let mut left = hit;
-        while left != 0 {
-            let one = numbers[(left.trailing_zeros() & 15) as usize];
-            let of_it = material.eq(I32::splat(s, one)).bits() & hit;
-            left &= !of_it;
-            let (mask, material) = (Mask::from_bits(s, of_it), &table.materials[one as usize]);
-            put(s, mask, F32::splat(s, material.ns), &mut surfaces.exponent, to);
-            for k in 0..3 {
-                put(s, mask, F32::splat(s, material.kd[k]), &mut surfaces.kd[k], to);
-                put(s, mask, F32::splat(s, material.ks[k]), &mut surfaces.ks[k], to);
-                put(s, mask, F32::splat(s, material.base[k]), &mut surfaces.color[k], to);
+            ng[k] = mask.select(F32::splat(s, facet.ng[k]), ng[k]);
+            for i in 0..3 {
+                corner[i][k] = mask.select(F32::splat(s, facet.corner[i][k]), corner[i][k]);
             }
+        }
+        material = mask.iselect(I32::splat(s, facet.material), material);
+    }
+    let mask = Mask::from_bits(s, hit);
+    let b0 = F32::splat(s, 1.0) - b1 - b2;
+    for k in 0..3 {
+        put(s, mask, ng[k], &mut surfaces.ng[k], to);
+        let ns = b0 * corner[0][k] + b1 * corner[1][k] + b2 * corner[2][k];
+        put(s, mask, ns, &mut surfaces.ns[k], to);
+    }
+    let mut numbers = [0; SUB];
+    material.store(&mut numbers);
+    let mut left = hit;
+    while left != 0 {
+        let one = numbers[(left.trailing_zeros() & 15) as usize];
+        let of_it = material.eq(I32::splat(s, one)).bits() & hit;
+        left &= !of_it;
+        let (mask, material) = (Mask::from_bits(s, of_it), &table.materials[one as usize]);
+        put(s, mask, F32::splat(s, material.ns), &mut surfaces.exponent, to);
+        for k in 0..3 {
+            put(s, mask, F32::splat(s, material.kd[k]), &mut surfaces.kd[k], to);
+            put(s, mask, F32::splat(s, material.ks[k]), &mut surfaces.ks[k], to);
+            put(s, mask, F32::splat(s, material.base[k]), &mut surfaces.color[k], to);
         }
     }
 }

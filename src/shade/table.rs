@@ -1,6 +1,9 @@
 //! What shading needs to know of each triangle and material, in the form that is quickest to fetch.
 
-use crate::scene::Scene;
+use crate::{
+    effects::{Effect, EffectSet, Reasons},
+    scene::Scene,
+};
 use glam::Vec3;
 
 /// One triangle: a cache line.
@@ -34,8 +37,14 @@ pub struct SurfaceTable {
 }
 
 impl SurfaceTable {
-    /// Collects the shading data of a scene.
+    /// Collects the shading data of a scene with all the effects that it calls for.
     pub fn new(scene: &Scene) -> SurfaceTable {
+        SurfaceTable::with_effects(scene, Reasons::new(scene).set())
+    }
+
+    /// The same with other effects: surfaces have neither highlights nor smooth normals, nor does light go through them,
+    /// unless `set` has these.
+    pub fn with_effects(scene: &Scene, set: EffectSet) -> SurfaceTable {
         let mesh = &scene.mesh;
         let facets = (0..mesh.len())
             .map(|prim| {
@@ -43,7 +52,8 @@ impl SurfaceTable {
                 let ng = (b - a).cross(c - a).normalize_or_zero().as_vec3();
                 let corner = mesh.triangles[prim].map(|vertex| {
                     let normal = mesh.normals.get(vertex as usize).copied().unwrap_or(Vec3::ZERO);
-                    (if normal == Vec3::ZERO { ng } else { normal }).to_array()
+                    (if normal == Vec3::ZERO || !set.has(Effect::SmoothNormals) { ng } else { normal })
+                        .to_array()
                 });
                 Facet { ng: ng.to_array(), material: mesh.materials[prim], corner }
             })
@@ -53,9 +63,12 @@ impl SurfaceTable {
             .iter()
             .map(|material| {
                 let ambient = if material.ka == Vec3::ZERO { material.kd } else { material.ka };
+                let refracts = material.refracts() && set.has(Effect::Refraction);
+                let kd = if refracts { material.kd * material.d } else { material.kd };
+                let ks = if set.has(Effect::Highlights) { material.ks } else { Vec3::ZERO };
                 Reflectance {
-                    kd: material.kd.to_array(),
-                    ks: material.ks.to_array(),
+                    kd: kd.to_array(),
+                    ks: ks.to_array(),
                     ns: material.ns,
                     base: (material.ke + ambient * scene.ambient).to_array(),
                 }

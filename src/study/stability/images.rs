@@ -3,6 +3,7 @@
 use super::{Setup, random::Random, tally::First};
 use crate::{
     bvh::BuildPreset,
+    effects::EffectChoice,
     error::{Error, Result},
     kernels::Isa,
     render::{RenderOptions, render},
@@ -126,6 +127,7 @@ fn base(setup: &Setup) -> RenderOptions {
         frames: 1,
         build: BuildPreset::Medium,
         early: EarlyTermination::FASTEST,
+        effects: EffectChoice::Auto,
         seed: 0,
     }
 }

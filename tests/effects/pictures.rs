@@ -1,0 +1,154 @@
+//! Textures, holes, bent normals, the lens, and several samples per pixel.
+
+use super::{close, floor, matt, radiance, rectangle, scene};
+use crate::support::RENDER;
+use glam::{Vec2, Vec3};
+use irt::{
+    render::{RenderOptions, render},
+    scene::{
+        AreaLight, Bump, BumpKind, CameraDescription, DepthOfField, Falloff, Light, Material, Scene, Texture,
+        Wrap,
+    },
+    schedule::Control,
+};
+
+/// Red to the left of u = 1/2, green to the right; opacity 0 and 1.
+fn halves() -> Texture {
+    Texture::new("halves", [2, 1], vec![[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0]], Wrap::Clamp)
+}
+
+/// A square of side 2 about the origin in z = 0 with u along x and v along y, seen from +z.
+fn square(material: Material) -> Scene {
+    let mut scene = scene(&rectangle(Vec3::new(-1.0, -1.0, 0.0), 2.0 * Vec3::X, 2.0 * Vec3::Y), material);
+    scene.mesh.uvs =
+        scene.mesh.positions.iter().map(|p| Vec2::new(0.5 * p.x + 0.5, 0.5 * p.y + 0.5)).collect();
+    scene.textures.push(halves());
+    scene
+}
+
+const EYE: Vec3 = Vec3::new(0.0, 0.0, 3.0);
+
+#[test]
+fn images_colour_reflection_ambient_light_and_emission() {
+    let mut scene = square(Material { map_kd: Some(0), ..matt(0.5) });
+    scene.ambient = Vec3::splat(0.4);
+    assert_eq!(radiance(&scene, EYE, Vec3::new(-0.7, 0.1, 0.0)), Vec3::new(0.2, 0.0, 0.0));
+    assert_eq!(radiance(&scene, EYE, Vec3::new(0.7, 0.1, 0.0)), Vec3::new(0.0, 0.2, 0.0));
+    let mut glowing = square(Material { map_ke: Some(0), ke: Vec3::splat(3.0), ..matt(0.5) });
+    assert_eq!(radiance(&glowing, EYE, Vec3::new(0.7, 0.1, 0.0)), Vec3::new(0.0, 3.0, 0.0));
+    // The image of a lamp also colours its light.
+    glowing.settings.emitters = true;
+    glowing.settings.light_samples = 256;
+    for triangle in &rectangle(Vec3::new(-9.0, -2.0, -1.0), 20.0 * Vec3::X, 4.0 * Vec3::Z) {
+        let at = glowing.mesh.positions.len() as u32;
+        glowing.mesh.positions.extend(triangle);
+        glowing.mesh.uvs.extend([Vec2::ZERO; 3]);
+        glowing.mesh.triangles.push([at, at + 1, at + 2]);
+        glowing.mesh.materials.push(1);
+    }
+    glowing.mesh.parts[0].count = 4;
+    glowing.materials.push(matt(1.0));
+    let lit = |x: f32| radiance(&glowing, Vec3::new(x, 0.0, 2.5), Vec3::new(x, -2.0, 0.5));
+    let (left, right) = (lit(-3.0), lit(3.0));
+    assert!(left.x > 1.2 * left.y && right.y > 1.2 * right.x, "{left} {right}");
+}
+
+#[test]
+fn holes_show_what_is_behind_and_let_light_through() {
+    let mut scene = square(Material { map_d: Some(0), ..matt(0.0) });
+    scene.background = Vec3::ONE;
+    // Channel 0 is 1 to the left: there the square is.
+    assert_eq!(radiance(&scene, EYE, Vec3::new(-0.7, 0.1, 0.0)), Vec3::ZERO);
+    assert_eq!(radiance(&scene, EYE, Vec3::new(0.7, 0.1, 0.0)), Vec3::ONE);
+    close(radiance(&scene, EYE, Vec3::new(0.0, 0.1, 0.0)).x, 0.5, 1.0e-3, "half a hole");
+    // A wall behind it, lit from the front: in the shadow of the left half only.
+    for triangle in &rectangle(Vec3::new(-9.0, -9.0, -1.0), 18.0 * Vec3::X, 18.0 * Vec3::Y) {
+        let at = scene.mesh.positions.len() as u32;
+        scene.mesh.positions.extend(triangle);
+        scene.mesh.uvs.extend([Vec2::ZERO; 3]);
+        scene.mesh.triangles.push([at, at + 1, at + 2]);
+        scene.mesh.materials.push(1);
+    }
+    scene.mesh.parts[0].count = 4;
+    scene.materials.push(matt(0.8));
+    let (position, intensity) = (Vec3::new(0.0, 0.0, 100.0), Vec3::ONE);
+    scene.lights.push(Light::Point { position, intensity, falloff: Falloff::None });
+    scene.lights.push(Light::Directional { direction: -Vec3::Z, intensity });
+    let area = AreaLight::Sphere { center: position, radius: 1.0, radiance: Vec3::splat(10_000.0) };
+    scene.area_lights.push(area);
+    let behind = |x: f32| radiance(&scene, Vec3::new(x, 4.0, 0.0), Vec3::new(x, 0.1, -1.0)).x;
+    assert_eq!(behind(-0.7), 0.0);
+    close(behind(0.7), 0.8 * 3.0, 0.03, "through the hole");
+    close(behind(3.0), 0.8 * 3.0, 0.03, "beside it");
+}
+
+#[test]
+fn normals_from_images_bend_the_light() {
+    // A normal that leans towards +x by 45 degrees, and heights that rise towards +x with the same slope.
+    let lean = [0.5 + 0.5 * 0.5f32.sqrt(), 0.5, 0.5 + 0.5 * 0.5f32.sqrt(), 1.0];
+    let normals = Texture::new("normals", [1, 1], vec![lean], Wrap::Repeat);
+    let ramp = Texture::new("heights", [64, 1], (0..64).map(|i| [i as f32 / 64.0; 4]).collect(), Wrap::Clamp);
+    let bump = |texture, kind, strength| Some(Bump { texture, kind, strength });
+    for (kind, texture, strength, want) in [
+        (BumpKind::Normal, normals, 1.0, 1.0f32),
+        // u goes from 0 to 1 over 2 units, so that a height of 2 is a slope of 1: falling towards -x.
+        (BumpKind::Height, ramp, -2.0, 1.0),
+    ] {
+        let mut scene = square(Material { bump: bump(1, kind, strength), ..matt(0.5) });
+        scene.textures.push(texture);
+        for (toward, cosine) in [(1.0f32, 1.0f64), (-1.0, 0.0)] {
+            let direction = -Vec3::new(toward * want, 0.0, 1.0).normalize();
+            scene.lights = vec![Light::Directional { direction, intensity: Vec3::ONE }];
+            let got = radiance(&scene, EYE, Vec3::new(0.1, 0.2, 0.0)).x;
+            assert!((f64::from(got) - 0.5 * cosine).abs() < 2.0e-3, "{kind:?}, {toward}: {got}");
+        }
+    }
+}
+
+fn column(scene: &Scene, size: [u32; 2]) -> Vec<f32> {
+    let options = RenderOptions { size, ..RENDER };
+    let rendered = render(scene, &options, &Control::unattended()).expect("renders");
+    rendered.film.row(size[1] / 2).map(|pixel| pixel[0]).collect()
+}
+
+#[test]
+fn a_lens_blurs_what_is_out_of_focus_by_the_width_of_its_cone() {
+    // The edge of a black half-plane before white, at distance 4.
+    let mut scene =
+        scene(&rectangle(Vec3::new(-500.0, -500.0, 0.0), 500.0 * Vec3::X, 1000.0 * Vec3::Y), matt(0.0));
+    scene.background = Vec3::ONE;
+    scene.camera = CameraDescription { eye: 4.0 * Vec3::Z, at: Vec3::ZERO, up: Vec3::Y, fov_deg: 30.0 };
+    scene.settings.samples = 256;
+    let blurred =
+        |scene: &Scene| column(scene, [201, 3]).iter().filter(|x| **x > 0.002 && **x < 0.998).count();
+    let pixel = 2.0 * 15f32.to_radians().tan() / 3.0 * 4.0;
+    // One pixel is 3 rows high: 4 * 2 tan 15 / 3 units; make the lens many times as wide.
+    assert!(blurred(&scene) <= 2, "a pinhole is sharp");
+    let aperture = 10.0 * pixel;
+    scene.settings.depth_of_field = Some(DepthOfField { aperture, focus: 4.0 });
+    assert!(blurred(&scene) <= 2, "what is in focus is sharp");
+    // In focus at 8: at distance 4 the cone is as wide as half the lens, as seen from the plane: 20 / 2 pixels.
+    scene.settings.depth_of_field = Some(DepthOfField { aperture, focus: 8.0 });
+    let width = blurred(&scene) as f32;
+    assert!((width - 10.0).abs() <= 2.0, "{width} pixels");
+}
+
+#[test]
+fn samples_of_a_pixel_show_how_much_of_it_is_covered() {
+    // An edge through the middle column at a third of its width.
+    let mut scene = scene(&floor(), matt(0.0));
+    scene.background = Vec3::ONE;
+    let edge = 1.0 / 6.0;
+    scene.mesh = crate::support::mesh_of(&rectangle(
+        Vec3::new(-50.0, -50.0, 0.0),
+        (50.0 + edge) * Vec3::X,
+        100.0 * Vec3::Y,
+    ));
+    let half = 1.5f32;
+    let fov_deg = 2.0 * (half / 4.0).atan().to_degrees();
+    scene.camera = CameraDescription { eye: 4.0 * Vec3::Z, at: Vec3::ZERO, up: Vec3::Y, fov_deg };
+    scene.settings.samples = 256;
+    let row = column(&scene, [3, 3]);
+    assert_eq!([row[0], row[2]], [0.0, 1.0]);
+    close(row[1], 1.0 / 3.0, 0.02, "a third is left free");
+}

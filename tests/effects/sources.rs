@@ -1,0 +1,146 @@
+//! Direct light of sources with and without extent on a plane, and their shadows.
+
+use super::{close, floor, matt, radiance, rectangle, scene};
+use glam::Vec3;
+use irt::scene::{AreaLight, Environment, Falloff, Light, Scene};
+use std::f64::consts::PI;
+
+/// Share of the hemisphere, weighted by the cosine, that a rectangle a x b takes up at height h over a point of a parallel
+/// plane below one of its corners (any textbook of heat transfer, such as Howell's catalogue, B-4).
+fn form_factor(a: f64, b: f64, h: f64) -> f64 {
+    let (x, y) = (a / h, b / h);
+    let part = |x: f64, y: f64| x / (1.0 + x * x).sqrt() * (y / (1.0 + x * x).sqrt()).atan();
+    (part(x, y) + part(y, x)) / (2.0 * PI)
+}
+
+/// The same for a rectangle from (x0, z0) to (x1, z1), seen from above the origin.
+fn over_origin([x0, x1]: [f64; 2], [z0, z1]: [f64; 2], h: f64) -> f64 {
+    let corner = |x: f64, z: f64| x.signum() * z.signum() * form_factor(x.abs(), z.abs(), h);
+    corner(x1, z1) - corner(x0, z1) - corner(x1, z0) + corner(x0, z0)
+}
+
+fn lit_by(light: AreaLight, samples: u32) -> Scene {
+    let mut scene = scene(&floor(), matt(0.5));
+    scene.area_lights.push(light);
+    scene.settings.light_samples = samples;
+    scene
+}
+
+const EYE: Vec3 = Vec3::new(3.0, 2.0, -4.0);
+
+#[test]
+fn a_point_light_obeys_lambert_and_the_square_of_the_distance() {
+    for position in [Vec3::new(0.0, 2.0, 0.0), Vec3::new(1.0, 0.5, -2.0), Vec3::new(-5.0, 0.1, 0.0)] {
+        let mut scene = scene(&floor(), matt(0.5));
+        let intensity = Vec3::splat(3.0);
+        scene.lights.push(Light::Point { position, intensity, falloff: Falloff::InverseSquare });
+        let square = f64::from(position.length_squared());
+        let want = 0.5 * 3.0 / square * f64::from(position.y) / square.sqrt();
+        close(radiance(&scene, EYE, Vec3::ZERO).x, want, 1.0e-4, "point");
+    }
+}
+
+#[test]
+fn a_rectangle_lights_a_plane_by_its_form_factor() {
+    for (x, z, h) in
+        [([-1.0, 1.0], [-0.5, 0.5], 1.0), ([0.3, 2.0], [-1.0, 0.2], 0.7), ([-3.0, 3.0], [1.0, 4.0], 2.0)]
+    {
+        let light = AreaLight::Rectangle {
+            corner: Vec3::new(x[0] as f32, h as f32, z[0] as f32),
+            edge_u: (x[1] - x[0]) as f32 * Vec3::X,
+            edge_v: (z[1] - z[0]) as f32 * Vec3::Z,
+            radiance: Vec3::new(2.0, 1.0, 0.0),
+            two_sided: false,
+        };
+        // x cross z points down, to the floor.
+        let got = radiance(&lit_by(light, 1024), EYE, Vec3::ZERO);
+        let want = 0.5 * 2.0 * over_origin(x, z, h);
+        close(got.x, want, 0.01, "rectangle");
+        close(got.y, 0.5 * want, 0.01, "rectangle, green");
+        assert_eq!(got.z, 0.0);
+        let AreaLight::Rectangle { corner, edge_u, edge_v, radiance: sent, .. } = light else {
+            unreachable!()
+        };
+        let turned =
+            AreaLight::Rectangle { corner, edge_u: edge_v, edge_v: edge_u, radiance: sent, two_sided: false };
+        assert_eq!(radiance(&lit_by(turned, 16), EYE, Vec3::ZERO), Vec3::ZERO, "from behind");
+    }
+}
+
+#[test]
+fn a_sphere_lights_a_plane_like_a_point_of_its_solid_angle() {
+    for (center, radius) in
+        [(Vec3::new(0.0, 2.0, 0.0), 1.5f32), (Vec3::new(2.0, 1.0, 1.0), 0.9), (Vec3::new(0.0, 9.0, 3.0), 0.1)]
+    {
+        let light = AreaLight::Sphere { center, radius, radiance: Vec3::splat(4.0) };
+        let distance = f64::from(center.length());
+        let want = 0.5 * 4.0 * (f64::from(radius) / distance).powi(2) * f64::from(center.y) / distance;
+        close(radiance(&lit_by(light, 1024), EYE, Vec3::ZERO).x, want, 0.005, "sphere");
+    }
+}
+
+#[test]
+fn emitting_triangles_light_like_a_rectangle() {
+    let mut triangles = floor();
+    triangles.extend(rectangle(Vec3::new(-1.0, 1.5, 0.2), 2.0 * Vec3::X, Vec3::Z));
+    let mut scene = scene(&triangles, matt(0.5));
+    scene.materials.push(irt::scene::Material { ke: Vec3::splat(2.0), ..matt(0.0) });
+    scene.mesh.materials = vec![0, 0, 1, 1];
+    scene.settings.light_samples = 1024;
+    assert_eq!(radiance(&scene, EYE, Vec3::ZERO), Vec3::ZERO, "only glows unless switched on");
+    scene.settings.emitters = true;
+    let want = 0.5 * 2.0 * over_origin([-1.0, 1.0], [0.2, 1.2], 1.5);
+    close(radiance(&scene, EYE, Vec3::ZERO).x, want, 0.01, "triangles");
+    assert_eq!(radiance(&scene, EYE, Vec3::new(0.0, 1.5, 0.6)), Vec3::splat(2.0), "and is seen");
+}
+
+#[test]
+fn a_penumbra_is_as_wide_as_geometry_says() {
+    // A light 1 wide at height 2, a screen that covers x < 0 at height 1: the penumbra goes from x = -1/2 to x = 1/2.
+    let (wide, top, height) = (1.0, 2.0, 1.0);
+    let mut triangles = floor();
+    triangles.extend(rectangle(Vec3::new(-9.0, height, -9.0), 9.0 * Vec3::X, 18.0 * Vec3::Z));
+    let light = AreaLight::Rectangle {
+        corner: Vec3::new(-0.5 * wide, top, -1.0),
+        edge_u: wide * Vec3::X,
+        edge_v: 2.0 * Vec3::Z,
+        radiance: Vec3::ONE,
+        two_sided: false,
+    };
+    let mut scene = scene(&triangles, matt(1.0));
+    scene.area_lights.push(light);
+    scene.settings.light_samples = 2500;
+    for x in [-0.6f32, -0.45, -0.25, 0.0, 0.2, 0.45, 0.6] {
+        let at = Vec3::new(x, 0.0, 0.0);
+        let got = radiance(&scene, Vec3::new(x + 0.6, 0.3, 0.0), at);
+        // Seen from x, the screen's edge hides what lies left of -x at the light's height.
+        let x = f64::from(x);
+        let left = (-x).clamp(-0.5, 0.5);
+        let want = if left < 0.5 { over_origin([left - x, 0.5 - x], [-1.0, 1.0], 2.0) } else { 0.0 };
+        let whole = over_origin([-0.5 - x, 0.5 - x], [-1.0, 1.0], 2.0);
+        assert!((f64::from(got.x) - want).abs() < 0.01 * whole, "{x}: {} of {whole}, not {want}", got.x);
+    }
+}
+
+#[test]
+fn the_furnace_shows_the_albedo() {
+    let ball = crate::support::sphere(Vec3::ZERO, 1.0, 6);
+    for albedo in [0.5, 1.0] {
+        let mut scene = super::scene_of(ball.clone(), vec![matt(albedo)]);
+        scene.background = Vec3::ONE;
+        scene.environment = Environment { light: true, ..Environment::default() };
+        scene.settings.bounces = 4;
+        for at in [Vec3::ZERO, Vec3::new(0.3, 0.2, 0.0), Vec3::new(0.1, -0.6, 0.1)] {
+            close(radiance(&scene, Vec3::new(3.0, 1.0, 2.0), at).x, f64::from(albedo), 1.0e-5, "furnace");
+        }
+    }
+    // In a hole, light gets out only after some reflections: all of it, if nothing is absorbed.
+    let mut walls = super::cuboid(Vec3::splat(-1.0), Vec3::ONE);
+    walls.drain(8..10);
+    let mut hole = scene(&walls, matt(1.0));
+    (hole.background, hole.environment.light) = (Vec3::ONE, true);
+    (hole.settings.bounces, hole.settings.samples, hole.settings.light_samples) = (60, 4096, 1);
+    let got = radiance(&hole, Vec3::new(0.1, 2.0, 0.2), Vec3::new(0.2, -1.0, 0.3)).x;
+    // Three standard errors of that many paths.
+    close(got, 1.0, 0.05, "a hole in a furnace");
+}

@@ -20,7 +20,7 @@ use crate::{
     },
     scene::Scene,
     schedule::{Control, FilmMode, Machine, Placement, Schedule, Strategy},
-    study::scaling::{Costs, ScalingOptions, ScalingRow, overhead_per_tile, scaling, tile_sizes},
+    study::scaling::{Costs, Flow, ScalingOptions, ScalingRow, overhead_per_tile, scaling, tile_sizes},
     trace::{EarlyTermination, KernelChoice},
 };
 use std::path::Path;
@@ -57,14 +57,7 @@ fn strategies(args: &ScalingArgs, talk: Talk, costs: &Costs, exports: TableExpor
     let mut all: Vec<ScalingRow> = vec![];
     each_scene(&specs(&args.scenes, &SCENES), |spec, scene, place| {
         terminal::tell(talk, place);
-        let options = ScalingOptions {
-            render: render_options(args, scene)?,
-            schedules: schedules(args),
-            workers: sorted(&args.workers),
-            rounds: args.rounds,
-            network: args.network,
-            thesis_scene: thesis_scene(spec),
-        };
+        let options = study_options(args, scene, spec)?;
         let rows = scaling(scene, &options, costs, &Control::new(interrupt::flag(), &|_| {}))?;
         if let Some(folder) = &args.pictures {
             rows.iter().try_for_each(|row| pictures(folder, row, options.render.size))?;
@@ -77,6 +70,7 @@ fn strategies(args: &ScalingArgs, talk: Talk, costs: &Costs, exports: TableExpor
         Ok(())
     })?;
     told += "* simulated. A cell is frames per second and efficiency T1 / (n Tn).\n";
+    told += &told_flow(flow(args));
     for table in [idle_table(&all), validation_table(&all), limits_table(&all)] {
         if !table.rows().is_empty() {
             told += &format!("\n{}", table.to_terminal());
@@ -96,14 +90,14 @@ fn sizes(
     exports: TableExports,
 ) -> Result<()> {
     let mut all = vec![];
-    each_scene(&specs(&args.scenes, &SCENES), |_, scene, place| {
+    each_scene(&specs(&args.scenes, &SCENES), |spec, scene, place| {
         terminal::tell(talk, place);
-        let render = RenderOptions { schedule, ..render_options(args, scene)? };
-        let [width, height] = render.size;
+        let options = study_options(args, scene, spec)?;
+        let options = ScalingOptions { render: RenderOptions { schedule, ..options.render }, ..options };
+        let [width, height] = options.render.size;
         let sides: Vec<u32> = SIDES.into_iter().filter(|&side| side <= width.max(height)).collect();
         let control = Control::new(interrupt::flag(), &|_| {});
-        let workers = sorted(&args.workers);
-        all.extend(tile_sizes(scene, &render, &sides, &workers, args.rounds, costs, &control)?);
+        all.extend(tile_sizes(scene, &options, &sides, costs, &control)?);
         Ok(())
     })?;
     exports.write(&sizes_table(&all))
@@ -147,6 +141,34 @@ fn told_costs(costs: &Costs, pin: bool) -> Result<String> {
         micro(steal)
     );
     Ok(told)
+}
+
+fn study_options(args: &ScalingArgs, scene: &Scene, spec: &str) -> Result<ScalingOptions> {
+    Ok(ScalingOptions {
+        render: render_options(args, scene)?,
+        schedules: schedules(args),
+        workers: sorted(&args.workers),
+        rounds: args.rounds,
+        flow: flow(args),
+        inflation: args.inflation,
+        network: args.network,
+        thesis_scene: thesis_scene(spec),
+    })
+}
+
+fn flow(args: &ScalingArgs) -> Flow {
+    Flow { frames: args.frames, in_flight: args.in_flight }
+}
+
+fn told_flow(Flow { frames, in_flight }: Flow) -> String {
+    match in_flight {
+        1 => format!(
+            "Measured: single frames, {frames} for each worker, each begun when the one before was complete.\n"
+        ),
+        _ => {
+            format!("Measured: streams of {frames} frames for each worker, {in_flight} of them in flight.\n")
+        }
+    }
 }
 
 /// The thesis' name of a scene that was described after it.
@@ -201,11 +223,12 @@ fn pictures(folder: &Path, row: &ScalingRow, size: [u32; 2]) -> Result<()> {
     let file =
         |ending: &str| folder.join(format!("{scene}-{strategy}-{film}-{}{simulated}.{ending}", row.workers));
     let title = format!(
-        "{}: {strategy}, film {film}, {} workers{}, {} ms",
+        "{}: {strategy}, film {film}, {} workers{}, {} frames of {} ms",
         row.scene,
         row.workers,
         if row.simulated { " (simulated)" } else { "" },
-        significant(row.frame.seconds * 1e3, 4)
+        row.frame.frames,
+        significant(row.frame.per_frame() * 1e3, 4)
     );
     write_text(&file("svg"), &timeline_svg(&title, &row.frame))?;
     write_text(&file("trace.json"), &to_json(&timeline_trace(&row.frame))?)?;

@@ -1,7 +1,7 @@
 //! What was typed for the commands that study several scenes or a battery of tests.
 
 use super::args::{ExportArgs, KernelArgs, PinArgs};
-use super::value::{IsaChoice, network, one_of, size, whole};
+use super::value::{IsaChoice, factor, network, one_of, size, whole};
 use crate::{
     bvh::BuildPreset,
     kernels::Visibility,
@@ -180,14 +180,31 @@ pub(super) struct ScalingArgs {
         value_parser = whole(1..=1024usize), allow_negative_numbers = true
     )]
     pub(super) workers: Vec<usize>,
-    /// Frames of which the median counts
+    /// Rounds of which the median counts
     #[arg(
         long, value_name = "N", default_value = "10",
         value_parser = whole(1..=100_000u32), allow_negative_numbers = true
     )]
     pub(super) rounds: u32,
+    /// Frames of a round for each worker, so that any number of workers has about as long to do
+    #[arg(
+        long, value_name = "N", default_value = "2",
+        value_parser = whole(1..=16usize), allow_negative_numbers = true
+    )]
+    pub(super) frames: usize,
+    /// Frames in flight: with 2, who finds nothing to do in one goes on with the next; with 1, that begins when all have ended
+    #[arg(
+        long, value_name = "N", default_value = "2",
+        value_parser = whole(1..=16usize), allow_negative_numbers = true
+    )]
+    pub(super) in_flight: usize,
+    /// Where more workers than cores are simulated: by which factor their tiles take longer than one worker's
+    #[arg(
+        long, value_name = "FACTOR", default_value = "1", value_parser = factor, allow_negative_numbers = true
+    )]
+    pub(super) inflation: f64,
     /// Instead of strategies, compare sizes of tiles
-    #[arg(long, conflicts_with_all = ["pictures", "network"])]
+    #[arg(long, conflicts_with_all = ["pictures", "network", "inflation"])]
     pub(super) tiles: bool,
     /// Simulated workers are nodes of a cluster: latency of its network in microseconds, its speed in Gb/s
     #[arg(long, value_name = "US,GBIT", value_parser = network, allow_hyphen_values = true)]

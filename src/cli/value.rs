@@ -148,6 +148,12 @@ pub(super) fn network(text: &str) -> Result<(f64, f64), String> {
         })
 }
 
+/// Takes a factor of at least 1.
+pub(super) fn factor(text: &str) -> Result<f64, String> {
+    let factor = text.trim().parse().ok().filter(|&x: &f64| x.is_finite() && (1.0..=100.0).contains(&x));
+    factor.ok_or_else(|| format!("'{text}' is not a factor; give a number from 1 to 100, such as 1.05"))
+}
+
 /// Takes WxH.
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let side = |text: &str| text.trim().parse().ok().filter(|&side: &u32| side >= 1);

@@ -12,11 +12,11 @@ use crate::{
     film::Film,
     kernels::Kernels,
     scene::Scene,
-    schedule::{Control, FrameStats, Master, Placement, Schedule, with_workers},
+    schedule::{Control, FilmMode, FrameStats, Master, Placement, Schedule, Source, with_workers},
     shade::{PLAIN, PathTable, SurfaceTable},
     tile::{Tile, tiles},
 };
-use std::time::Instant;
+use std::{ops::Range, time::Instant};
 
 /// A scene that is ready to be rendered by any number of workers.
 pub struct Stage<'a> {
@@ -77,7 +77,13 @@ impl<'a> Stage<'a> {
         let [width, height] = self.options.size;
         let camera = Camera::new(&self.scene.camera, width, height);
         with_workers(&task, placement, |master| {
-            body(&mut Session { master, camera, film: Film::new(width, height) })
+            body(&mut Session {
+                master,
+                camera,
+                film: Film::new(width, height),
+                films: vec![],
+                spare: vec![],
+            })
         })
     }
 }
@@ -87,18 +93,17 @@ pub struct Session<'m, 'a> {
     master: &'m mut Master<RenderTask<'a>>,
     camera: Camera,
     film: Film,
+    /// Of the last stream, in order.
+    films: Vec<Film>,
+    /// Of earlier ones, to be written over: new memory would cost time in the middle of a stream.
+    spare: Vec<Film>,
 }
 
 impl Session<'_, '_> {
-    /// Renders one frame.
+    /// Renders one frame; gives the sum of what its tiles report, too.
     ///
     /// # Errors
     /// As [`Master::run_frame`]; the film is black then.
-    pub fn frame(&mut self, schedule: Schedule, tiles: &[Tile], control: &Control) -> Result<FrameStats> {
-        self.counted_frame(schedule, tiles, control).map(|(stats, _)| stats)
-    }
-
-    /// The same, with the sum of what the tiles report.
     pub(super) fn counted_frame(
         &mut self,
         schedule: Schedule,
@@ -122,6 +127,39 @@ impl Session<'_, '_> {
         }
     }
 
+    /// See [`Master::employ`].
+    pub fn employ(&mut self, workers: Range<usize>) {
+        self.master.employ(workers);
+    }
+
+    /// Renders the image `frames` times, with up to `in_flight` frames at once. Each has a film of its own, kept until the
+    /// next stream; those of the longest stream so far are made once.
+    ///
+    /// # Errors
+    /// As [`Master::run_stream`]; the films are gone then.
+    pub fn stream(
+        &mut self,
+        schedule: Schedule,
+        tiles: &[Tile],
+        frames: usize,
+        in_flight: usize,
+        control: &Control,
+    ) -> Result<FrameStats> {
+        let size = [self.film.width(), self.film.height()];
+        let mut blank = std::mem::take(&mut self.spare);
+        blank.append(&mut self.films);
+        let (camera, mode) = (self.camera, schedule.film);
+        let mut source = Again { left: frames, size, camera, mode, blank, films: vec![] };
+        let stats = self.master.run_stream(schedule, in_flight, tiles, control, &mut source)?;
+        (self.films, self.spare) = (source.films, source.blank);
+        Ok(stats)
+    }
+
+    /// The images of the last stream.
+    pub fn films(&self) -> &[Film] {
+        &self.films
+    }
+
     /// The last frame's image.
     pub fn film(&self) -> &Film {
         &self.film
@@ -138,4 +176,36 @@ fn is_plain(scene: &Scene, set: EffectSet, choice: EffectChoice) -> bool {
     let shadowless = !scene.lights.is_empty() && !set.has(Effect::HardShadows);
     let smooth = set.has(Effect::SmoothNormals) && scene.settings.smooth_terminator;
     PLAIN.includes(set) && choice != EffectChoice::All && !shadowless && !smooth
+}
+
+/// The same frame again and again.
+struct Again {
+    left: usize,
+    size: [u32; 2],
+    camera: Camera,
+    mode: FilmMode,
+    /// Films to be written over.
+    blank: Vec<Film>,
+    films: Vec<Film>,
+}
+
+impl Source<RenderTask<'_>> for Again {
+    fn next(&mut self) -> Option<Frame> {
+        self.left = self.left.checked_sub(1)?;
+        let [width, height] = self.size;
+        let film = self.blank.pop().unwrap_or_else(|| Film::new(width, height));
+        Some(Frame { camera: self.camera, film, mode: self.mode })
+    }
+
+    fn more(&self) -> bool {
+        self.left > 0
+    }
+
+    fn collect(&mut self, frame: &Frame, tile: Tile, report: &mut TileReport) {
+        frame.collect(tile, report, &mut TileReport::default());
+    }
+
+    fn done(&mut self, frame: Frame) {
+        self.films.push(frame.film);
+    }
 }

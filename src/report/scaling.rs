@@ -18,20 +18,25 @@ pub struct ScalingRecord {
     fps_min: f64,
     fps_max: f64,
     rounds: usize,
+    frames: usize,
     speedup: f64,
     efficiency: f64,
     efficiency_fastest: f64,
+    inflation: f64,
+    scheduling_efficiency: f64,
     predicted_efficiency: Option<f64>,
     thesis_fps: Option<f64>,
     thesis_efficiency: Option<f64>,
     idle: Vec<IdleRecord>,
     tasks: MessageRecord,
     reports: MessageRecord,
+    /// Seconds that the master was busy with frames, and with reports.
+    master: [f64; 2],
     limited_by: &'static str,
     limit_share: f64,
 }
 
-/// One worker in the median frame, in seconds.
+/// One worker in the stream of the median round, in seconds.
 #[derive(Clone, Debug, Serialize)]
 struct IdleRecord {
     tiles: usize,
@@ -43,7 +48,7 @@ struct IdleRecord {
     tail: f64,
 }
 
-/// Messages of one direction in the median frame; latencies in seconds.
+/// Messages of one direction in the stream of the median round; latencies in seconds.
 #[derive(Clone, Debug, Serialize)]
 struct MessageRecord {
     count: usize,
@@ -81,15 +86,19 @@ impl From<&ScalingRow> for ScalingRecord {
             fps_min: 1.0 / max,
             fps_max: 1.0 / min,
             rounds: row.seconds.len(),
+            frames: row.frame.frames,
             speedup: row.efficiency * row.workers as f64,
             efficiency: row.efficiency,
             efficiency_fastest: row.fastest,
+            inflation: row.inflation,
+            scheduling_efficiency: row.scheduling(),
             predicted_efficiency: row.predicted,
             thesis_fps: row.thesis.map(|thesis| thesis.fps),
             thesis_efficiency: row.thesis.and_then(|thesis| thesis.efficiency),
             idle: idle.collect(),
             tasks: messages(&row.frame.tasks),
             reports: messages(&row.frame.reports),
+            master: [row.frame.master.frames, row.frame.master.reports],
             limited_by,
             limit_share,
         }
@@ -109,6 +118,8 @@ pub fn scaling_table(rows: &[ScalingRow]) -> Table {
         "fps_max",
         "speedup",
         "efficiency",
+        "inflation",
+        "scheduling_efficiency",
         "predicted_efficiency",
         "thesis_fps",
         "thesis_efficiency",
@@ -128,6 +139,8 @@ pub fn scaling_table(rows: &[ScalingRow]) -> Table {
             row.fps_max.into(),
             row.speedup.into(),
             row.efficiency.into(),
+            row.inflation.into(),
+            row.scheduling_efficiency.into(),
             row.predicted_efficiency.into(),
             row.thesis_fps.into(),
             row.thesis_efficiency.into(),
@@ -189,7 +202,7 @@ fn head(row: &ScalingRow) -> [Cell; 3] {
     [row.scene.as_str().into(), row.schedule.strategy.name().into(), row.schedule.film.name().into()]
 }
 
-/// Where each worker's time went in the median frame, at the largest measured number of workers, and the messages.
+/// Where each worker's time went in the median round, at the largest measured number of workers, and the messages.
 pub fn idle_table(rows: &[ScalingRow]) -> Table {
     let mut table = Table::new([
         "scene",
@@ -206,6 +219,7 @@ pub fn idle_table(rows: &[ScalingRow]) -> Table {
         "tasks",
         "reports",
         "latency us",
+        "master",
     ]);
     let most = rows.iter().filter(|row| !row.simulated).map(|row| row.workers).max();
     for row in rows.iter().filter(|row| !row.simulated && Some(row.workers) == most) {
@@ -225,13 +239,16 @@ pub fn idle_table(rows: &[ScalingRow]) -> Table {
                 once(row.frame.tasks.count.into()),
                 once(row.frame.reports.count.into()),
                 once((row.frame.reports.latency() * 1e6).into()),
+                once(share(row.frame.master.frames + row.frame.master.reports)),
             ]));
         }
     }
     table
 }
 
-/// Predicted and measured efficiency side by side, by median frames and by the fastest ones.
+/// Where efficiency is lost, and whether the simulator sees it. Measured efficiency is scheduling / inflation: what of the
+/// time went into tiles, and by which factor these took longer than one worker alone takes for them. The simulator is told
+/// the inflation.
 pub fn validation_table(rows: &[ScalingRow]) -> Table {
     let mut table = Table::new([
         "scene",
@@ -239,20 +256,22 @@ pub fn validation_table(rows: &[ScalingRow]) -> Table {
         "film",
         "workers",
         "measured",
-        "fastest",
+        "inflation",
+        "scheduling",
         "simulated *",
         "points apart",
-        "of fastest",
+        "fastest",
     ]);
     for row in rows.iter().filter(|row| row.workers > 1) {
         let Some(predicted) = row.predicted else { continue };
         table.push(head(row).into_iter().chain([
             row.workers.into(),
             percent(row.efficiency).into(),
-            percent(row.fastest).into(),
+            format!("{:.3}", row.inflation).into(),
+            percent(row.scheduling()).into(),
             percent(predicted).into(),
             format!("{:+.1}", (predicted - row.efficiency) * 100.0).into(),
-            format!("{:+.1}", (predicted - row.fastest) * 100.0).into(),
+            percent(row.fastest).into(),
         ]));
     }
     table

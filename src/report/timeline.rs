@@ -11,13 +11,26 @@ const ROW: f64 = 22.0;
 const MARGIN: f64 = 76.0;
 /// With more workers than this, rows get thinner.
 const FULL_ROWS: usize = 40;
+/// Of a longer stream the last frames are drawn.
+const MOST_FRAMES: usize = 4;
 
-/// The timeline of a frame as SVG: a row per worker, a bar per tile, time from left to right; what is grey was idle.
+/// The frames that are drawn, from which moment on.
+fn drawn(stats: &FrameStats) -> (impl Iterator<Item = &Span>, f64) {
+    let first = stats.frames.saturating_sub(MOST_FRAMES);
+    let spans = stats.spans.iter().filter(move |span| span.frame >= first);
+    let start = if first == 0 { 0.0 } else { spans.clone().fold(stats.seconds, |t, span| t.min(span.start)) };
+    (spans, start)
+}
+
+/// The timeline of a stream of frames as SVG: a row per worker, a bar per tile, time from left to right; what is grey was
+/// idle. Every second frame is paler. Of a long stream its end is shown.
 pub fn timeline_svg(title: &str, stats: &FrameStats) -> String {
     let workers = stats.workers.len();
     let row = if workers <= FULL_ROWS { ROW } else { (ROW * FULL_ROWS as f64 / workers as f64).max(3.0) };
     let (top, height) = (34.0, row * workers as f64);
-    let x = |seconds: f64| MARGIN + seconds / stats.seconds.max(1e-12) * WIDTH;
+    let (spans, from) = drawn(stats);
+    let all = (stats.seconds - from).max(1e-12);
+    let x = |seconds: f64| MARGIN + (seconds - from) / all * WIDTH;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0} {:.0}\" font-family=\"sans-serif\" \
          font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<text x=\"{MARGIN}\" y=\"20\" \
@@ -37,23 +50,25 @@ pub fn timeline_svg(title: &str, stats: &FrameStats) -> String {
             let _ = writeln!(svg, "<text x=\"4\" y=\"{:.1}\">worker {worker}</text>", y + row * 0.65);
         }
     }
-    let mut drawn = vec![0; workers];
-    for span in &stats.spans {
-        drawn[span.worker] += 1;
+    let mut bars = vec![0; workers];
+    for span in spans {
+        bars[span.worker] += 1;
         let y = top + row * span.worker as f64;
         // Two shades in turn, so that neighbours can be told apart.
-        let [r, g, b] =
-            worker_color(span.worker).map(|c| c * if drawn[span.worker] % 2 == 0 { 1.0 } else { 0.86 });
+        let shade = if bars[span.worker] % 2 == 0 { 1.0 } else { 0.86 };
+        let pale = if span.frame % 2 == 0 { 0.0 } else { 0.45 };
+        let [r, g, b] = worker_color(span.worker).map(|c| (c * (1.0 - pale) + pale) * shade);
         let _ = writeln!(
             svg,
             "<rect x=\"{:.2}\" y=\"{y:.1}\" width=\"{:.2}\" height=\"{:.1}\" fill=\"rgb({:.0},{:.0},{:.0})\">\
-             <title>tile {},{} {}x{}: {:.1} us</title></rect>",
+             <title>frame {}, tile {},{} {}x{}: {:.1} us</title></rect>",
             x(span.start),
-            (span.end - span.start) / stats.seconds.max(1e-12) * WIDTH,
+            (span.end - span.start) / all * WIDTH,
             row * 0.85,
             r * 255.0,
             g * 255.0,
             b * 255.0,
+            span.frame,
             span.tile.x,
             span.tile.y,
             span.tile.width,
@@ -62,7 +77,7 @@ pub fn timeline_svg(title: &str, stats: &FrameStats) -> String {
         );
     }
     for tick in 0..=10 {
-        let seconds = stats.seconds * f64::from(tick) / 10.0;
+        let seconds = from + all * f64::from(tick) / 10.0;
         let (x, y) = (x(seconds), top + height);
         let _ = writeln!(
             svg,
@@ -84,7 +99,8 @@ fn escape(text: &str) -> String {
 #[derive(Debug, Serialize)]
 struct TraceEvent {
     name: String,
-    cat: &'static str,
+    /// "idle", or the number of the frame: viewers colour and filter by it.
+    cat: String,
     ph: &'static str,
     ts: f64,
     dur: f64,
@@ -92,9 +108,10 @@ struct TraceEvent {
     tid: usize,
 }
 
-/// The timeline of a frame in the trace event format: an array of complete events, a thread per worker.
+/// The timeline of a stream in the trace event format: an array of complete events, a thread per worker.
+/// Of a long stream it has the end.
 pub fn timeline_trace(stats: &FrameStats) -> impl Serialize {
-    let event = |name, cat, start: f64, end: f64, tid| TraceEvent {
+    let event = |name, cat: String, start: f64, end: f64, tid| TraceEvent {
         name,
         cat,
         ph: "X",
@@ -105,23 +122,29 @@ pub fn timeline_trace(stats: &FrameStats) -> impl Serialize {
     };
     let tile = |span: &Span| {
         let name = format!("{},{} {}x{}", span.tile.x, span.tile.y, span.tile.width, span.tile.height);
-        event(name, "tile", span.start, span.end, span.worker)
+        event(name, format!("frame {}", span.frame), span.start, span.end, span.worker)
     };
-    let mut events: Vec<TraceEvent> = stats.spans.iter().map(tile).collect();
+    let mut events: Vec<TraceEvent> = drawn(stats).0.map(tile).collect();
     for (number, worker) in stats.workers.iter().enumerate().filter(|(_, worker)| worker.tiles > 0) {
-        events.push(event("start".into(), "idle", 0.0, worker.idle.start, number));
-        events.push(event("tail".into(), "idle", stats.seconds - worker.idle.tail, stats.seconds, number));
+        events.push(event("start".into(), "idle".into(), 0.0, worker.idle.start, number));
+        events.push(event(
+            "tail".into(),
+            "idle".into(),
+            stats.seconds - worker.idle.tail,
+            stats.seconds,
+            number,
+        ));
     }
     events
 }
 
-/// Which worker rendered what: a flat colour per worker, the borders of its tiles darker.
+/// Which worker rendered what of the last frame: a flat colour per worker, the borders of its tiles darker.
 ///
 /// # Panics
 /// If a tile reaches beyond `size`.
 pub fn worker_map(stats: &FrameStats, [width, height]: [u32; 2]) -> Film {
     let film = Film::new(width, height);
-    for span in &stats.spans {
+    for span in stats.spans.iter().filter(|span| span.frame + 1 == stats.frames) {
         let tile = span.tile;
         let color = worker_color(span.worker);
         let plane = |channel: usize| -> Vec<f32> {
@@ -152,7 +175,7 @@ fn worker_color(worker: usize) -> [f64; 3] {
 mod tests {
     use super::*;
     use crate::schedule::{CostMap, FilmMode, Plan, Schedule, Strategy};
-    use crate::study::scaling::{Costs, simulate};
+    use crate::study::scaling::{Costs, Flow, Replay, simulate};
     use crate::tile::{Order, tiles};
 
     fn stats(workers: usize) -> FrameStats {
@@ -167,11 +190,16 @@ mod tests {
             switch: 1e-6,
             per_byte: 1e-9,
             cores: 2,
+            inflation: 1.0,
         };
         let schedule = Schedule { strategy: Strategy::Stealing, film: FilmMode::Shared };
-        let plan =
-            Plan::new(schedule.strategy, workers, &tiles(64, 48, 16, Order::Hilbert), &CostMap::default());
-        simulate(schedule, workers, &plan, &vec![1e-3; plan.tiles.len()], &costs)
+        let replay = |end| {
+            let tiles = tiles(64, 48, 16, Order::Hilbert);
+            let plan = Plan::new(schedule.strategy, workers, end, &tiles, &CostMap::default());
+            let seconds = vec![1e-3; plan.tiles.len()];
+            Replay { plan, seconds }
+        };
+        simulate(schedule, workers, Flow::ONE, replay, &costs)
     }
 
     #[test]
@@ -187,10 +215,21 @@ mod tests {
     }
 
     #[test]
+    fn of_a_long_stream_the_last_frames_are_drawn() {
+        let span =
+            |frame: usize| Span { frame, start: frame as f64, end: frame as f64 + 1.0, ..stats(1).spans[0] };
+        let long = FrameStats { frames: 9, seconds: 9.0, spans: (0..9).map(span).collect(), ..stats(1) };
+        let (spans, from) = drawn(&long);
+        assert_eq!((spans.count(), from), (4, 5.0));
+        assert!(timeline_svg("", &long).contains("<title>frame 8"));
+        assert_eq!(drawn(&stats(1)).1, 0.0);
+    }
+
+    #[test]
     fn the_trace_has_a_complete_event_for_every_tile() {
         let json = serde_json::to_value(timeline_trace(&stats(2))).unwrap();
         let events = json.as_array().unwrap();
-        let tiles: Vec<_> = events.iter().filter(|event| event["cat"] == "tile").collect();
+        let tiles: Vec<_> = events.iter().filter(|event| event["cat"] == "frame 0").collect();
         assert_eq!(tiles.len(), 12);
         for event in events {
             assert!(

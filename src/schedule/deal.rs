@@ -51,9 +51,9 @@ impl Dealer {
         Dealer { strategy, workers, tiles: plan.tiles.len(), next: 0, rest }
     }
 
-    /// What `worker` starts with: of a stealing strategy the range that it owns. Call it once for each worker, in
-    /// order; `None` if there is nothing for it.
-    pub fn first(&mut self, worker: usize, plan: &Plan) -> Option<Run> {
+    /// What `worker` gets when the frame begins if the strategy [deals at first](Strategy::deals_at_first): of a
+    /// stealing one the range that it owns. `None` if there is nothing for it.
+    pub fn first(&self, worker: usize, plan: &Plan) -> Option<Run> {
         let run = match self.strategy {
             Strategy::Static => {
                 let place = |i: usize| i * self.tiles / self.workers;
@@ -61,15 +61,14 @@ impl Dealer {
             }
             Strategy::Stealing => Run { first: plan.bounds[worker], end: plan.bounds[worker + 1], step: 1 },
             Strategy::StaticCyclic => Run { first: worker, end: self.tiles, step: self.workers },
-            _ => return self.next(plan),
+            _ => return None,
         };
         (!run.is_empty()).then_some(run)
     }
 
     /// What a worker gets next; `None` if all is dealt.
     pub fn next(&mut self, plan: &Plan) -> Option<Run> {
-        let dealt_at_first = [Strategy::Static, Strategy::StaticCyclic, Strategy::Stealing];
-        if self.next >= self.tiles || dealt_at_first.contains(&self.strategy) {
+        if self.next >= self.tiles || self.strategy.deals_at_first() {
             return None;
         }
         let first = self.next;

@@ -1,21 +1,21 @@
-//! The master's side of the protocol.
+//! The master's side of the protocol: who works for it, and what it does with their reports. What it deals is in
+//! `dealing.rs`.
 
-use super::frame::Running;
+use super::flight::{Flight, Running};
 use super::mail::{Desk, Inbox};
-use super::message::{Parcel, Report, Shared, Task, Work};
+use super::message::{Parcel, Report};
 use super::pin::{Pinned, Placement, refusals};
+use super::source::{OneFrame, Source};
 use super::sync::{scope, spawn};
 use super::worker::work;
-use super::{
-    Control, CostMap, Dealer, FilmMode, FrameStats, Messages, Plan, Progress, Schedule, Strategy, TileTask,
-    WorkerStats,
-};
+use super::{Control, CostMap, FrameStats, Plan, Progress, Schedule, TileTask, WorkerStats};
 use crate::error::{Error, Result};
 use crate::tile::Tile;
-use crossbeam_deque::{Stealer, Worker as Deque};
+use crossbeam_deque::Worker as Deque;
 use std::collections::VecDeque;
+use std::ops::Range;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 /// The cancel flag is looked at this often while no report comes.
@@ -23,19 +23,24 @@ const LONGEST_WAIT: Duration = Duration::from_millis(20);
 
 /// Deals the tiles of frames to the workers. Exists only inside [`with_workers`].
 pub struct Master<T: TileTask> {
-    desks: Vec<Arc<Desk<T::Frame, T::Output>>>,
+    pub(super) desks: Vec<Arc<Desk<T::Frame, T::Output>>>,
     inbox: Arc<Inbox<T::Output>>,
     pinned: Vec<Pinned>,
-    /// Tasks that each worker was dealt and has not finished; `None` if it was lost.
-    due: Vec<Option<usize>>,
-    /// Between frames, every worker's deque; all empty.
-    deques: Vec<Option<Deque<usize>>>,
-    /// The frame under way, or one that a panic of `collect` left behind.
-    shared: Option<Arc<Shared<T::Frame>>>,
+    /// False for a worker that was lost.
+    alive: Vec<bool>,
+    /// Those who take part.
+    employed: Range<usize>,
+    /// The frames under way, the oldest first, or those that a panic of the source left behind.
+    pub(super) flights: VecDeque<Flight<T::Frame>>,
+    /// Frames begun so far.
+    pub(super) begun: usize,
     /// Taken from the inbox and not looked at.
     reports: VecDeque<Report<T::Output>>,
-    plan: Plan,
-    costs: CostMap,
+    /// Empty deques and used plans, for their memory.
+    pub(super) spare_deques: Vec<Deque<usize>>,
+    pub(super) spare_plans: Vec<Plan>,
+    /// What the last complete frame took.
+    pub(super) costs: CostMap,
 }
 
 /// Starts one worker per slot of `placement`, waits until all are ready, and calls `body` with their master. The
@@ -70,11 +75,13 @@ impl<T: TileTask> Master<T> {
             desks: vec![],
             inbox: Arc::new(Inbox::new()),
             pinned: vec![],
-            due: vec![],
-            deques: vec![],
-            shared: None,
+            alive: vec![],
+            employed: 0..usize::MAX,
+            flights: VecDeque::new(),
+            begun: 0,
             reports: VecDeque::new(),
-            plan: Plan::default(),
+            spare_deques: vec![],
+            spare_plans: vec![],
             costs: CostMap::default(),
         }
     }
@@ -82,8 +89,7 @@ impl<T: TileTask> Master<T> {
     fn add(&mut self, desk: Arc<Desk<T::Frame, T::Output>>) {
         self.desks.push(desk);
         self.pinned.push(Pinned::Free);
-        self.due.push(Some(0));
-        self.deques.push(Some(Deque::new_fifo()));
+        self.alive.push(true);
     }
 
     /// Number of workers.
@@ -96,121 +102,84 @@ impl<T: TileTask> Master<T> {
         &self.pinned
     }
 
+    /// From now on only these workers take part, counted from 0; the others stay parked. At first all do.
+    pub fn employ(&mut self, workers: Range<usize>) {
+        self.employed = workers;
+    }
+
     /// Runs every tile once and hands each output to `collect` on this thread, in the order in which they arrive. The
     /// strategy may cut the tiles and change their order. Returns the frame when no worker uses it any more.
     ///
     /// # Errors
     ///
-    /// [`Error::Worker`] if a tile panicked, [`Error::Interrupted`] if `control` was cancelled before the end: then no
-    /// worker is busy afterwards, and the next frame can be run. [`Error::Failed`] if a worker thread was lost or none
-    /// is left; the next frame does without the lost ones.
+    /// As [`Master::run_stream`].
     pub fn run_frame(
         &mut self,
         schedule: Schedule,
         frame: T::Frame,
         tiles: &[Tile],
         control: &Control<'_>,
-        mut collect: impl FnMut(&T::Frame, Tile, &mut T::Output),
+        collect: impl FnMut(&T::Frame, Tile, &mut T::Output),
     ) -> Result<(T::Frame, FrameStats)> {
+        let mut one = OneFrame { waiting: Some(frame), collect, complete: None };
+        let stats = self.run_stream(schedule, 1, tiles, control, &mut one)?;
+        Ok((one.complete.ok_or_else(lost_worker)?, stats))
+    }
+
+    /// Runs the frames that `source` gives, up to `in_flight` (at least one) at once, every tile of each once. Progress
+    /// is told for each frame by itself.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Worker`] if a tile panicked, [`Error::Interrupted`] if `control` was cancelled before the end: then no
+    /// worker is busy afterwards, and the next stream can be run. [`Error::Failed`] if a worker thread was lost or none
+    /// of those [employed](Master::employ) is left; the next stream does without the lost ones. Frames that were in flight are dropped.
+    pub fn run_stream(
+        &mut self,
+        schedule: Schedule,
+        in_flight: usize,
+        tiles: &[Tile],
+        control: &Control<'_>,
+        source: &mut impl Source<T>,
+    ) -> Result<FrameStats> {
         self.settle();
-        let workers: Vec<usize> = (0..self.workers()).filter(|&worker| self.due[worker].is_some()).collect();
+        let workers: Vec<usize> =
+            (0..self.workers()).filter(|&i| self.alive[i] && self.employed.contains(&i)).collect();
         if workers.is_empty() {
             return Err(lost_worker());
         }
-        let start = Instant::now();
-        self.plan.fill(schedule.strategy, workers.len(), tiles, &self.costs);
-        let dealer = Dealer::new(schedule.strategy, workers.len(), &self.plan);
-        let stats = self.empty_stats();
-        let shared = self.share(schedule, frame);
+        self.desks.iter().for_each(|desk| desk.stock(schedule.strategy.parcels()));
         let mut running = Running {
-            start,
+            start: Instant::now(),
             schedule,
-            dealer,
-            stats,
+            stats: self.empty_stats(&workers),
+            workers,
             failure: control.cancelled().then_some(Error::Interrupted),
-            done: 0,
             pauses: Vec::new(),
         };
-        if running.failure.is_none() {
-            self.deal_first(&workers, &shared, &mut running);
-        }
-        self.shared = Some(shared);
-        while self.is_due() {
-            self.collect_some(control, &mut running, &mut collect);
+        loop {
+            if running.failure.is_none() {
+                let start = Instant::now();
+                self.end_frames(&mut running, source)?;
+                self.begin_frames(in_flight.max(1), tiles, &mut running, source);
+                running.stats.master.frames += start.elapsed().as_secs_f64();
+            }
+            if self.is_due() {
+                self.collect_some(control, &mut running, source);
+            } else if running.failure.is_some() || !self.flights.front().is_some_and(Flight::is_complete) {
+                break;
+            }
+            // Else the frame was empty.
         }
         self.finish(running, control)
     }
 
-    /// What the workers will see of the frame; stocks their desks.
-    fn share(&mut self, schedule: Schedule, frame: T::Frame) -> Arc<Shared<T::Frame>> {
-        self.desks.iter().for_each(|desk| desk.stock(schedule.strategy.parcels()));
-        let stealers: Vec<Stealer<usize>> =
-            self.deques.iter_mut().map(|deque| deque.get_or_insert_with(Deque::new_fifo).stealer()).collect();
-        Arc::new(Shared {
-            frame,
-            tiles: std::mem::take(&mut self.plan.tiles),
-            stop: AtomicBool::new(false),
-            each_tile: schedule.film == FilmMode::Messages,
-            stealers,
-        })
-    }
-
-    /// Each worker's first task, and those that wait behind it.
-    fn deal_first(&mut self, workers: &[usize], shared: &Arc<Shared<T::Frame>>, running: &mut Running) {
-        let stealing = running.schedule.strategy == Strategy::Stealing;
-        let runs: Vec<_> = (0..workers.len()).map(|i| running.dealer.first(i, &self.plan)).collect();
-        if stealing {
-            // All deques are filled before anybody looks into them; who owns nothing may steal.
-            for (&worker, run) in workers.iter().zip(&runs) {
-                if let (Some(run), Some(deque)) = (run, &self.deques[worker]) {
-                    run.places().for_each(|place| deque.push(place));
-                }
-            }
-        }
-        for (&worker, run) in workers.iter().zip(runs) {
-            let work = match run {
-                _ if stealing => self.deques[worker].take().map(Work::Share),
-                run => run.map(Work::Run),
-            };
-            self.deal(worker, work, shared, None, running);
-        }
-        for _ in 1..running.schedule.strategy.tasks_at_once() {
-            for &worker in workers {
-                let next = running.dealer.next(&self.plan).map(Work::Run);
-                self.deal(worker, next, shared, None, running);
-            }
-        }
-    }
-
-    /// Lays a parcel, a task, both or nothing on a worker's desk.
-    fn deal(
-        &mut self,
-        worker: usize,
-        work: Option<Work>,
-        shared: &Arc<Shared<T::Frame>>,
-        parcel: Option<Box<Parcel<T::Output>>>,
-        running: &mut Running,
-    ) {
-        let Some(due) = &mut self.due[worker] else { return };
-        let task = work.map(|work| {
-            *due += 1;
-            running.stats.tasks.count += 1;
-            Task { shared: Arc::clone(shared), work, sent: Instant::now() }
-        });
-        self.desks[worker].lay(parcel, task);
-    }
-
     /// Waits for reports, collects what has come, and answers.
-    fn collect_some(
-        &mut self,
-        control: &Control<'_>,
-        running: &mut Running,
-        collect: &mut impl FnMut(&T::Frame, Tile, &mut T::Output),
-    ) {
+    fn collect_some(&mut self, control: &Control<'_>, running: &mut Running, source: &mut impl Source<T>) {
         self.inbox.take(&mut self.reports, LONGEST_WAIT);
         let now = Instant::now();
-        // One by one: if `collect` panics, the others stay for `settle`.
-        while let (Some(report), Some(shared)) = (self.reports.pop_front(), self.shared.clone()) {
+        // One by one: if the source panics, the others stay for `settle`.
+        while let Some(report) = self.reports.pop_front() {
             match report {
                 Report::Ready { .. } => {}
                 Report::Lost { worker } => {
@@ -220,64 +189,85 @@ impl<T: TileTask> Master<T> {
                 Report::Parcel { worker, mut parcel, sent } => {
                     running.stats.reports.count += 1;
                     running.stats.reports.arrived(now.saturating_duration_since(sent));
-                    running.note(worker, &mut parcel, &shared.tiles);
-                    self.note_finished(worker, &mut parcel);
-                    let used = parcel.used;
-                    for item in &mut parcel.items[..used] {
-                        collect(&shared.frame, shared.tiles[item.place], &mut item.output);
-                        running.done += 1;
-                        control.report(Progress { done: running.done, total: shared.tiles.len() });
-                    }
+                    self.collect(worker, &mut parcel, control, running, source);
                     // Before the parcel goes back: its worker may be waiting for it with the next tile in mind.
                     if control.cancelled() {
                         self.fail(running, Error::Interrupted);
                     }
                     let entitled = parcel.finished && running.failure.is_none();
-                    let next = if entitled { running.dealer.next(&self.plan) } else { None };
+                    let next = if entitled { self.next_task(worker, running) } else { None };
                     parcel.empty();
-                    self.deal(worker, next.map(Work::Run), &shared, Some(parcel), running);
+                    self.desks[worker].lay(Some(parcel), next);
                 }
             }
         }
+        running.stats.master.reports += now.elapsed().as_secs_f64();
         if control.cancelled() {
             self.fail(running, Error::Interrupted);
         }
     }
 
-    fn note_finished(&mut self, worker: usize, parcel: &mut Parcel<T::Output>) {
-        if parcel.finished {
-            self.due[worker] = self.due[worker].map(|due| due - 1);
-            self.deques[worker] = self.deques[worker].take().or(parcel.deque.take());
+    /// Takes the results of a parcel to the source.
+    fn collect(
+        &mut self,
+        worker: usize,
+        parcel: &mut Parcel<T::Output>,
+        control: &Control<'_>,
+        running: &mut Running,
+        source: &mut impl Source<T>,
+    ) {
+        running.note(worker, parcel);
+        if running.failure.is_some() {
+            self.stop();
+        }
+        self.note_finished(worker, parcel);
+        let Some(flight) = self.flights.iter_mut().find(|f| f.shared.number == parcel.frame) else { return };
+        flight.note(worker, parcel, running);
+        let (shared, used) = (&flight.shared, parcel.used);
+        for item in &mut parcel.items[..used] {
+            source.collect(&shared.frame, shared.tiles[item.place], &mut item.output);
+            flight.done += 1;
+            control.report(Progress { done: flight.done, total: shared.tiles.len() });
         }
     }
 
-    /// All tasks are done.
-    fn finish(&mut self, mut running: Running, control: &Control<'_>) -> Result<(T::Frame, FrameStats)> {
+    /// If a task is finished, it is no longer due.
+    fn note_finished(&mut self, worker: usize, parcel: &mut Parcel<T::Output>) {
+        if !parcel.finished {
+            return;
+        }
+        let Some(flight) = self.flights.iter_mut().find(|f| f.shared.number == parcel.frame) else { return };
+        flight.due[worker] = flight.due[worker].saturating_sub(1);
+        // Until the frame ends, others may look into it for more of this frame's tiles.
+        flight.deques.extend(parcel.deque.take());
+    }
+
+    /// Nothing is due any more.
+    fn finish(&mut self, mut running: Running, control: &Control<'_>) -> Result<FrameStats> {
         running.stats.seconds = running.start.elapsed().as_secs_f64();
-        self.empty_deques();
-        let shared = self.shared.take().and_then(Arc::into_inner).ok_or_else(lost_worker)?;
-        self.plan.tiles = shared.tiles;
         if control.cancelled() {
             running.fail(Error::Interrupted);
         }
         if let Some(error) = running.failure {
+            self.flights.clear();
             return Err(error);
         }
-        if running.done != self.plan.tiles.len() {
+        if !self.flights.is_empty() {
+            self.flights.clear();
             return Err(lost_worker());
         }
         running.stats.sum_up(&running.pauses);
-        self.costs.reset(&self.plan.tiles);
-        running.stats.spans.iter().for_each(|span| self.costs.record(span.tile, span.end - span.start));
-        Ok((shared.frame, running.stats))
+        Ok(running.stats)
     }
 
-    /// Collects what a frame left due whose `collect` or progress callback panicked.
+    /// Collects what a stream left due whose source or progress callback panicked.
     fn settle(&mut self) {
         self.stop();
-        for (desk, _) in self.desks.iter().zip(&self.due).filter(|(_, due)| due.is_some_and(|due| due > 0)) {
-            // In place of the one that was lost in the panic.
-            desk.lay(Some(Box::default()), None);
+        for (worker, desk) in self.desks.iter().enumerate() {
+            if self.flights.iter().any(|flight| flight.due[worker] > 0) {
+                // In place of the one that was lost in the panic.
+                desk.lay(Some(Box::default()), None);
+            }
         }
         while self.is_due() {
             if self.reports.is_empty() {
@@ -293,37 +283,28 @@ impl<T: TileTask> Master<T> {
                 Some(Report::Ready { .. }) | None => {}
             }
         }
-        self.shared = None;
-        self.empty_deques();
+        self.flights.clear();
     }
 
     fn is_due(&self) -> bool {
-        self.due.iter().flatten().any(|&due| due > 0)
+        self.flights.iter().any(Flight::is_due)
     }
 
     fn lose(&mut self, worker: usize) {
-        self.due[worker] = None;
+        self.alive[worker] = false;
+        self.flights.iter_mut().for_each(|flight| flight.due[worker] = 0);
         self.desks[worker].clear();
     }
 
-    /// The frame under way comes to nothing. (The worker on whose tile it failed has stopped it already.)
+    /// The stream under way comes to nothing. (The worker on whose tile it failed has stopped that frame already.)
     fn fail(&self, running: &mut Running, error: Error) {
         running.fail(error);
         self.stop();
     }
 
-    /// No further tile of the frame under way is begun.
+    /// No further tile of the frames under way is begun.
     fn stop(&self) {
-        if let Some(shared) = &self.shared {
-            shared.stop.store(true, Ordering::Relaxed);
-        }
-    }
-
-    /// A frame that stopped leaves tiles behind.
-    fn empty_deques(&mut self) {
-        for deque in self.deques.iter().flatten() {
-            while deque.pop().is_some() {}
-        }
+        self.flights.iter().for_each(|flight| flight.shared.stop.store(true, Ordering::Relaxed));
     }
 
     fn await_ready(&mut self) -> Result<()> {
@@ -339,14 +320,9 @@ impl<T: TileTask> Master<T> {
         Ok(())
     }
 
-    fn empty_stats(&self) -> FrameStats {
-        FrameStats {
-            seconds: 0.0,
-            workers: self.pinned.iter().map(|&pinned| WorkerStats::new(pinned)).collect(),
-            spans: Vec::with_capacity(self.plan.tiles.len()),
-            tasks: Messages::default(),
-            reports: Messages::default(),
-        }
+    fn empty_stats(&self, workers: &[usize]) -> FrameStats {
+        let workers = workers.iter().map(|&worker| WorkerStats::new(self.pinned[worker])).collect();
+        FrameStats { workers, ..FrameStats::default() }
     }
 }
 
@@ -359,6 +335,6 @@ impl<T: TileTask> Drop for Master<T> {
 }
 
 /// A worker ends only when its desk is closed, so this tells of a defect, not of a condition.
-fn lost_worker() -> Error {
+pub(super) fn lost_worker() -> Error {
     Error::Failed("a worker thread was lost; please report this with the command line".into())
 }

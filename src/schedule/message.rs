@@ -10,13 +10,15 @@ use std::time::{Duration, Instant};
 
 /// What all workers read while a frame lasts.
 pub(super) struct Shared<F> {
+    /// Which frame of its master this is.
+    pub(super) number: usize,
     pub(super) frame: F,
     pub(super) tiles: Vec<Tile>,
     /// Set by anyone: no further tile is begun.
     pub(super) stop: AtomicBool,
     /// Every tile is a message of its own; else a task's results travel together.
     pub(super) each_tile: bool,
-    /// The other end of every worker's deque.
+    /// The other end of every worker's deque for this frame; empty unless its strategy steals.
     pub(super) stealers: Vec<Stealer<usize>>,
 }
 
@@ -31,7 +33,7 @@ pub(super) struct Task<F> {
 pub(super) enum Work {
     /// These.
     Run(Run),
-    /// Those in the worker's own deque, then those in the others'. The deque returns with the last parcel.
+    /// Those in this deque, then those in the others' of the same frame. The deque returns with the last parcel.
     Share(Deque<usize>),
 }
 
@@ -47,6 +49,8 @@ pub(super) enum Report<O> {
 
 /// Results of some tiles; travels full to the master and empty back.
 pub(super) struct Parcel<O> {
+    /// Number of the frame whose they are.
+    pub(super) frame: usize,
     /// The first `used` are results; the others keep their memory for later ones.
     pub(super) items: Vec<Item<O>>,
     pub(super) used: usize,
@@ -82,6 +86,7 @@ pub(super) struct Wait {
 impl<O> Default for Parcel<O> {
     fn default() -> Parcel<O> {
         Parcel {
+            frame: 0,
             items: vec![],
             used: 0,
             finished: false,

@@ -5,14 +5,18 @@
 
 #![allow(dead_code, unreachable_pub, clippy::duplicate_mod)]
 
-#[path = "frame.rs"]
-mod frame;
+#[path = "dealing.rs"]
+mod dealing;
+#[path = "flight.rs"]
+mod flight;
 #[path = "mail.rs"]
 mod mail;
 #[path = "master.rs"]
 mod master;
 #[path = "message.rs"]
 mod message;
+#[path = "source.rs"]
+mod source;
 #[path = "worker.rs"]
 mod worker;
 
@@ -33,7 +37,7 @@ mod sync {
 
 // What the protocol's files take from the module above them.
 use super::{
-    Control, CostMap, Dealer, FilmMode, FrameStats, Messages, Pause, Plan, Progress, Run, Schedule, Span,
+    Control, CostMap, Dealer, End, FilmMode, FrameStats, Pause, Plan, Progress, Run, Schedule, Span,
     Strategy, TileTask, WorkerStats, pin,
 };
 
@@ -41,6 +45,7 @@ use super::{Machine, Placement, Topology};
 use crate::error::{Error, Result};
 use crate::tile::{Order, Tile, tiles};
 use master::{Master, with_workers};
+use source::Source;
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -48,38 +53,78 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Interleavings tried for each case.
 const TRIES: usize = 60;
 
-/// Outputs where the tile lies; panics at one place. Locks in between, so that workers overtake each other there.
+/// Outputs of which frame the tile is, and its place in the row; panics at one place. Locks in between, so that workers overtake each other there.
 struct Model {
-    panic_at: Option<(u32, u32)>,
+    panic_at: Option<u32>,
     gate: shuttle::sync::Mutex<()>,
 }
 
 impl TileTask for Model {
-    type Frame = ();
+    type Frame = u32;
     type Scratch = ();
     type Output = (u32, u32);
 
     fn scratch(&self, _worker: usize) {}
 
-    fn run(&self, (): &(), tile: Tile, (): &mut (), output: &mut (u32, u32)) {
+    fn run(&self, &frame: &u32, tile: Tile, (): &mut (), output: &mut (u32, u32)) {
         drop(self.gate.lock());
-        if self.panic_at == Some((tile.x, tile.y)) {
+        if self.panic_at == Some(tile.x) {
             // Without the panic hook, which would print.
             std::panic::resume_unwind(Box::new("modelled"));
         }
-        *output = (tile.x, tile.y);
+        *output = (frame, tile.x);
     }
 }
 
-/// Tries `body` with `workers` workers for every strategy and film mode.
-fn explore(workers: usize, panic_at: Option<(u32, u32)>, body: fn(&mut Master<Model>, Schedule)) {
+/// Frames of `count` tiles in a row.
+struct Frames {
+    left: usize,
+    begun: u32,
+    count: u32,
+    /// Of the frames in flight: how often each of its tiles was collected. A frame is its number.
+    seen: Vec<Vec<usize>>,
+    ended: u32,
+    /// Panics when it has collected so many.
+    panic_at: Option<usize>,
+}
+
+impl Source<Model> for Frames {
+    fn next(&mut self) -> Option<u32> {
+        self.left = self.left.checked_sub(1)?;
+        self.seen.push(vec![0; self.count as usize]);
+        self.begun += 1;
+        Some(self.begun - 1)
+    }
+
+    fn more(&self) -> bool {
+        self.left > 0
+    }
+
+    fn collect(&mut self, &frame: &u32, tile: Tile, output: &mut (u32, u32)) {
+        assert_eq!(*output, (frame, tile.x), "an output belongs to its tile and frame");
+        self.seen[frame as usize][tile.x as usize] += 1;
+        self.panic_at = self.panic_at.map(|left| left - 1);
+        if self.panic_at == Some(0) {
+            std::panic::resume_unwind(Box::new("modelled"));
+        }
+    }
+
+    fn done(&mut self, frame: u32) {
+        assert_eq!(frame, self.ended, "frames come back in order");
+        assert!(self.seen[frame as usize].iter().all(|&times| times == 1), "every tile once");
+        self.ended += 1;
+    }
+}
+
+/// Tries `body` with `workers` workers and up to `in_flight` frames at once for every strategy and film mode.
+fn explore(workers: usize, in_flight: usize, panic_at: Option<u32>, body: fn(&mut Master<Model>, &Mode)) {
     for schedule in Schedule::all() {
         let run = move || {
             let task = Model { panic_at, gate: shuttle::sync::Mutex::new(()) };
             let machine = Machine::new(&Topology::flat(&[]), 1);
             let placement = Placement::new(&machine, Some(workers), false);
             with_workers(&task, &placement, |master| {
-                body(master, schedule);
+                body(master, &Mode { schedule, in_flight });
                 Ok(())
             })
             .unwrap();
@@ -89,67 +134,81 @@ fn explore(workers: usize, panic_at: Option<(u32, u32)>, body: fn(&mut Master<Mo
     }
 }
 
-fn run_frame(master: &mut Master<Model>, schedule: Schedule, count: u32) -> Result<usize> {
-    let tiles = tiles(count, 1, 1, Order::Scanline);
-    let mut seen = vec![0; count as usize];
-    let collect = |(): &(), tile: Tile, output: &mut (u32, u32)| {
-        assert_eq!(*output, (tile.x, tile.y), "an output belongs to its tile");
-        seen[tile.x as usize] += 1;
-    };
-    master.run_frame(schedule, (), &tiles, &Control::unattended(), collect)?;
-    assert!(seen.iter().all(|&times| times == 1), "every tile once: {seen:?}");
-    Ok(seen.len())
+struct Mode {
+    schedule: Schedule,
+    in_flight: usize,
+}
+
+impl Mode {
+    /// Runs frames of `count` tiles and returns how many came back.
+    fn stream(&self, master: &mut Master<Model>, frames: usize, count: u32) -> Result<u32> {
+        self.watched(master, frames, count, None, &Control::unattended())
+    }
+
+    fn watched(
+        &self,
+        master: &mut Master<Model>,
+        frames: usize,
+        count: u32,
+        panic_at: Option<usize>,
+        control: &Control<'_>,
+    ) -> Result<u32> {
+        let tiles = tiles(count, 1, 1, Order::Scanline);
+        let mut source = Frames { left: frames, begun: 0, count, seen: vec![], ended: 0, panic_at };
+        let stats = master.run_stream(self.schedule, self.in_flight, &tiles, control, &mut source)?;
+        assert_eq!((stats.frames, source.ended as usize), (frames, frames), "all of them");
+        Ok(source.ended)
+    }
 }
 
 #[test]
 fn no_tile_is_lost_and_nobody_waits_for_ever() {
-    for workers in [1, 2, 3] {
-        explore(workers, None, |master, schedule| {
-            for count in [5, 0, 1] {
-                run_frame(master, schedule, count).unwrap();
+    for (workers, in_flight) in [(1, 1), (2, 1), (3, 1), (1, 2), (2, 2), (3, 2), (2, 3)] {
+        explore(workers, in_flight, None, |master, mode| {
+            for (frames, count) in [(1, 5), (1, 0), (3, 1), (3, 4), (2, 0)] {
+                mode.stream(master, frames, count).unwrap();
             }
         });
     }
 }
 
 #[test]
-fn a_panic_ends_the_frame_and_not_the_workers() {
-    explore(2, Some((3, 0)), |master, schedule| {
-        assert!(matches!(run_frame(master, schedule, 6), Err(Error::Worker { x: 3, y: 0, .. })));
-        run_frame(master, schedule, 3).unwrap();
-    });
+fn a_panic_ends_the_stream_and_not_the_workers() {
+    for in_flight in [1, 2] {
+        explore(2, in_flight, Some(3), |master, mode| {
+            let broken = mode.stream(master, 3, 6);
+            assert!(matches!(broken, Err(Error::Worker { x: 3, y: 0, .. })));
+            mode.stream(master, 2, 3).unwrap();
+        });
+    }
 }
 
 #[test]
-fn a_cancelled_frame_ends_and_the_next_one_is_whole() {
-    explore(2, None, |master, schedule| {
-        let cancel = AtomicBool::new(false);
-        let progress = |p: Progress| cancel.store(p.done == 2, Ordering::Relaxed);
-        let control = Control::new(&cancel, &progress);
-        let tiles = tiles(6, 1, 1, Order::Scanline);
-        // Whoever has done all before the flag is seen was not cancelled.
-        match master.run_frame(schedule, (), &tiles, &control, |_, _, _| {}) {
-            Ok(_) | Err(Error::Interrupted) => {}
-            Err(other) => panic!("{other}"),
-        }
-        run_frame(master, schedule, 4).unwrap();
-    });
+fn a_cancelled_stream_ends_and_the_next_one_is_whole() {
+    for in_flight in [1, 2] {
+        explore(2, in_flight, None, |master, mode| {
+            let (cancel, calls) = (AtomicBool::new(false), Cell::new(0));
+            let progress = |_: Progress| {
+                calls.set(calls.get() + 1);
+                cancel.store(calls.get() >= 5, Ordering::Relaxed);
+            };
+            // Whoever has done all before the flag is seen was not cancelled.
+            match mode.watched(master, 2, 4, None, &Control::new(&cancel, &progress)) {
+                Ok(_) | Err(Error::Interrupted) => {}
+                Err(other) => panic!("{other}"),
+            }
+            mode.stream(master, 2, 4).unwrap();
+        });
+    }
 }
 
 #[test]
 fn a_panic_of_the_master_leaves_nobody_waiting() {
-    explore(2, None, |master, schedule| {
-        let calls = Cell::new(0);
-        let tiles = tiles(6, 1, 1, Order::Scanline);
-        let frame = AssertUnwindSafe(|| {
-            master.run_frame(schedule, (), &tiles, &Control::unattended(), |_, _, _| {
-                calls.set(calls.get() + 1);
-                if calls.get() == 2 {
-                    std::panic::resume_unwind(Box::new("modelled"));
-                }
-            })
+    for in_flight in [1, 2] {
+        explore(2, in_flight, None, |master, mode| {
+            let broken = AssertUnwindSafe(|| mode.watched(master, 2, 5, Some(3), &Control::unattended()));
+            assert!(catch_unwind(broken).is_err());
+            mode.stream(master, 2, 4).unwrap();
         });
-        assert!(catch_unwind(frame).is_err());
-        run_frame(master, schedule, 4).unwrap();
-    });
+    }
 }

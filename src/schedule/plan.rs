@@ -13,6 +13,8 @@ const REST_PER_STOLEN: f64 = 2.0;
 const SHARE_PER_TILE: f64 = 12.0;
 /// ... but need not be less than that share divided by this.
 const SHARE_PER_LEAST: f64 = 256.0;
+/// While the next frame is in flight, a tile need not be cut unless it is more than a worker's share divided by this.
+const SHARE_PER_OVERLAPPED: f64 = 3.0;
 /// A dealt task should last at least as long as the messages for it are on their way, in seconds, ...
 const SHORTEST_TASK: f64 = 40e-6;
 /// ... and so long that the master has this much time for it, in seconds, while it serves all others.
@@ -23,6 +25,15 @@ const SHARE_PER_TASK: f64 = 256.0;
 const SHARE_PER_LONGEST: f64 = 8.0;
 /// Cost-guided cuts a tile that takes more than the frame divided by this and the number of workers.
 const FRAME_PER_TILE: f64 = 6.0;
+
+/// What workers do when they run out of a frame's tiles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// They wait for the others: the last tiles must be small.
+    Awaited,
+    /// They go on with the next frame: only tiles that would last longer than that are cut.
+    Overlapped,
+}
 
 /// Tiles in the order in which they are dealt, and how much work each is expected to be.
 #[derive(Clone, Debug, Default)]
@@ -40,14 +51,21 @@ pub struct Plan {
 impl Plan {
     /// The plan of a frame of `tiles` for `workers` workers. `costs` is what the last frame took; where it does not
     /// cover the tiles, all pixels are taken to be alike, and cost-guided does what refinement does.
-    pub fn new(strategy: Strategy, workers: usize, tiles: &[Tile], costs: &CostMap) -> Plan {
+    pub fn new(strategy: Strategy, workers: usize, end: End, tiles: &[Tile], costs: &CostMap) -> Plan {
         let mut plan = Plan::default();
-        plan.fill(strategy, workers, tiles, costs);
+        plan.fill(strategy, workers, end, tiles, costs);
         plan
     }
 
     /// Becomes the plan that [`Plan::new`] returns; keeps its memory.
-    pub(super) fn fill(&mut self, strategy: Strategy, workers: usize, tiles: &[Tile], costs: &CostMap) {
+    pub(super) fn fill(
+        &mut self,
+        strategy: Strategy,
+        workers: usize,
+        end: End,
+        tiles: &[Tile],
+        costs: &CostMap,
+    ) {
         self.tiles.clear();
         self.weights.clear();
         self.bounds.clear();
@@ -61,9 +79,9 @@ impl Plan {
             Strategy::CostGuided if known => self.longest_first(workers, tiles, costs),
             Strategy::Refinement | Strategy::CostGuided => {
                 let least = least_share * pixels(tiles);
-                self.refine(workers, least, tiles);
+                self.refine(workers, least, end, tiles);
             }
-            Strategy::Stealing => self.share(workers, tiles, known.then_some(costs)),
+            Strategy::Stealing => self.share(workers, end, tiles, known.then_some(costs)),
             _ => {
                 self.tiles.extend_from_slice(tiles);
                 self.weights.resize(tiles.len(), 1.0);
@@ -73,12 +91,17 @@ impl Plan {
     }
 
     /// Cuts the tiles at the end: none is more than a share of what comes from it on, unless it is less than `least`.
-    fn refine(&mut self, workers: usize, least: f64, tiles: &[Tile]) {
+    fn refine(&mut self, workers: usize, least: f64, end: End, tiles: &[Tile]) {
         let mut rest = pixels(tiles);
+        let overlapped = rest / (SHARE_PER_OVERLAPPED * workers as f64);
         for &tile in tiles {
             cut(tile, &mut |part, whole| {
                 let pixels = part.len() as f64;
-                let stays = whole || pixels <= (rest / (REST_PER_TILE * workers as f64)).max(least);
+                let most = match end {
+                    End::Awaited => rest / (REST_PER_TILE * workers as f64),
+                    End::Overlapped => overlapped,
+                };
+                let stays = whole || pixels <= most.max(least);
                 if stays {
                     rest -= pixels;
                     self.tiles.push(part);
@@ -91,19 +114,24 @@ impl Plan {
 
     /// A range for each worker. Its last tiles are cut, since they are what is left to share when others run out, and so
     /// are those that are too much for one worker. Weights are seconds if the last frame tells them, else pixels.
-    fn share(&mut self, workers: usize, tiles: &[Tile], costs: Option<&CostMap>) {
+    fn share(&mut self, workers: usize, end: End, tiles: &[Tile], costs: Option<&CostMap>) {
         let weigh = |tile: Tile| costs.and_then(|costs| costs.predict(tile)).unwrap_or(tile.len() as f64);
-        let share = tiles.iter().map(|&tile| weigh(tile)).sum::<f64>() / workers as f64;
+        let weights: Vec<f64> = tiles.iter().map(|&tile| weigh(tile)).collect();
+        let share = weights.iter().sum::<f64>() / workers as f64;
         let place = |worker: usize| worker * tiles.len() / workers;
         for worker in 0..workers {
             self.bounds.push(self.tiles.len());
-            let range = &tiles[place(worker)..place(worker + 1)];
-            let mut rest: f64 = range.iter().map(|&tile| weigh(tile)).sum();
-            for &tile in range {
+            let range = place(worker)..place(worker + 1);
+            let mut rest: f64 = weights[range.clone()].iter().sum();
+            for (&tile, &known) in tiles[range.clone()].iter().zip(&weights[range]) {
                 cut(tile, &mut |part, whole| {
-                    let weight = weigh(part);
-                    let most =
-                        (rest / REST_PER_STOLEN).max(share / SHARE_PER_LEAST).min(share / SHARE_PER_TILE);
+                    let weight = if part == tile { known } else { weigh(part) };
+                    let most = match end {
+                        End::Awaited => {
+                            (rest / REST_PER_STOLEN).max(share / SHARE_PER_LEAST).min(share / SHARE_PER_TILE)
+                        }
+                        End::Overlapped => share / SHARE_PER_OVERLAPPED,
+                    };
                     let stays = whole || workers == 1 || weight <= most;
                     if stays {
                         rest -= weight;
@@ -191,8 +219,9 @@ mod tests {
         for (width, height, side) in SIZES {
             let base = tiles(width, height, side, Order::Hilbert);
             for strategy in Strategy::ALL {
-                for workers in [1, 2, 3, 40] {
-                    let plan = Plan::new(strategy, workers, &base, &costs(&base));
+                for (workers, end) in [1, 2, 3, 40].into_iter().zip([End::Awaited, End::Overlapped].repeat(2))
+                {
+                    let plan = Plan::new(strategy, workers, end, &base, &costs(&base));
                     let mut count = vec![0; (width * height) as usize];
                     for tile in &plan.tiles {
                         assert!(!tile.is_empty());
@@ -219,8 +248,8 @@ mod tests {
     fn static_strategies_deal_regions_or_every_nth_tile() {
         let base = tiles(256, 256, 64, Order::Hilbert);
         let dealt = |strategy| {
-            let plan = Plan::new(strategy, 3, &base, &CostMap::default());
-            let mut dealer = Dealer::new(strategy, 3, &plan);
+            let plan = Plan::new(strategy, 3, End::Awaited, &base, &CostMap::default());
+            let dealer = Dealer::new(strategy, 3, &plan);
             [0, 1, 2].map(|worker| {
                 let Run { first, end, step } = dealer.first(worker, &plan).unwrap();
                 [first, end, step]
@@ -233,7 +262,7 @@ mod tests {
     #[test]
     fn refinement_shrinks_tasks_and_tiles() {
         let base = tiles(1024, 1024, 64, Order::Hilbert);
-        let plan = Plan::new(Strategy::Refinement, 2, &base, &CostMap::default());
+        let plan = Plan::new(Strategy::Refinement, 2, End::Awaited, &base, &CostMap::default());
         assert_eq!((plan.tiles[0].width, plan.tiles.last().unwrap().width), (64, 32));
         assert!(plan.tiles.windows(2).all(|pair| pair[1].len() <= pair[0].len()));
         let mut dealer = Dealer::new(Strategy::Refinement, 2, &plan);
@@ -246,8 +275,8 @@ mod tests {
     #[test]
     fn a_stealing_worker_has_small_tiles_last() {
         let base = tiles(1024, 1024, 64, Order::Hilbert);
-        let plan = Plan::new(Strategy::Stealing, 32, &base, &CostMap::default());
-        let mut dealer = Dealer::new(Strategy::Stealing, 32, &plan);
+        let plan = Plan::new(Strategy::Stealing, 32, End::Awaited, &base, &CostMap::default());
+        let dealer = Dealer::new(Strategy::Stealing, 32, &plan);
         for worker in 0..32 {
             let sides: Vec<u32> =
                 dealer.first(worker, &plan).unwrap().places().map(|i| plan.tiles[i].width).collect();
@@ -255,8 +284,26 @@ mod tests {
             // A share is 8 tiles of 64x64; at most a twelfth of it, at last next to nothing.
             assert_eq!((sides[0], sides.last()), (32, Some(&16)));
         }
-        let alone = Plan::new(Strategy::Stealing, 1, &base, &CostMap::default());
+        let alone = Plan::new(Strategy::Stealing, 1, End::Awaited, &base, &CostMap::default());
         assert_eq!(alone.tiles, base, "one worker has nobody to share with");
+    }
+
+    #[test]
+    fn while_the_next_frame_is_in_flight_only_what_would_outlast_it_is_cut() {
+        let base = tiles(1024, 1024, 64, Order::Hilbert);
+        let unknown = CostMap::default();
+        let plan = |strategy, workers, end, costs| Plan::new(strategy, workers, end, &base, costs).tiles;
+        // A share is eight tiles, or one.
+        for strategy in [Strategy::Refinement, Strategy::Stealing] {
+            assert_eq!(plan(strategy, 32, End::Overlapped, &unknown), base, "{strategy}");
+            assert!(plan(strategy, 32, End::Awaited, &unknown).len() > base.len(), "{strategy}");
+            assert_eq!(plan(strategy, 256, End::Overlapped, &unknown).len(), 4 * base.len(), "{strategy}");
+        }
+        // One tile as dear as all others together.
+        let mut map = CostMap::covering(&base);
+        base.iter().for_each(|&tile| map.record(tile, if tile == base[9] { 255.0 } else { 1.0 }));
+        // A quarter of it is more than a third of a share, 127.5; a sixteenth is not.
+        assert_eq!(plan(Strategy::Stealing, 4, End::Overlapped, &map).len(), 255 + 16);
     }
 
     #[test]
@@ -264,7 +311,7 @@ mod tests {
         let base = tiles(256, 256, 64, Order::Hilbert);
         let mut map = CostMap::covering(&base);
         base.iter().for_each(|&tile| map.record(tile, if tile == base[9] { 100.0 } else { 0.1 }));
-        let plan = Plan::new(Strategy::Stealing, 2, &base, &map);
+        let plan = Plan::new(Strategy::Stealing, 2, End::Awaited, &base, &map);
         let inside = |tile: &&Tile| {
             base[9].x <= tile.x && tile.x < base[9].x + 64 && base[9].y <= tile.y && tile.y < base[9].y + 64
         };
@@ -277,7 +324,7 @@ mod tests {
         let base = tiles(256, 256, 64, Order::Hilbert);
         let mut map = CostMap::covering(&base);
         base.iter().for_each(|&tile| map.record(tile, if tile == base[9] { 100.0 } else { 1.0 }));
-        let plan = Plan::new(Strategy::CostGuided, 2, &base, &map);
+        let plan = Plan::new(Strategy::CostGuided, 2, End::Awaited, &base, &map);
         assert_eq!(plan.tiles.len(), 15 + 16);
         assert!(plan.tiles[..16].iter().all(|tile| tile.width == 16));
         // The others keep their order.
@@ -289,7 +336,7 @@ mod tests {
     fn without_a_last_frame_cost_guided_refines() {
         let base = tiles(256, 256, 64, Order::Hilbert);
         let [refined, guided] = [Strategy::Refinement, Strategy::CostGuided]
-            .map(|strategy| Plan::new(strategy, 3, &base, &CostMap::default()).tiles);
+            .map(|strategy| Plan::new(strategy, 3, End::Awaited, &base, &CostMap::default()).tiles);
         assert_eq!(refined, guided);
     }
 }

@@ -4,10 +4,12 @@ use super::pin::Pinned;
 use crate::tile::Tile;
 use std::time::Duration;
 
-/// One tile's time on its worker, in seconds from the start of the frame.
+/// One tile's time on its worker, in seconds from the start of the stream.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
-    /// Who ran it.
+    /// Of which frame, counted from 0.
+    pub frame: usize,
+    /// Who ran it: a place in [`FrameStats::workers`].
     pub worker: usize,
     /// What was run.
     pub tile: Tile,
@@ -17,10 +19,10 @@ pub struct Span {
     pub end: f64,
 }
 
-/// A worker waited for the master, in seconds from the start of the frame.
+/// A worker waited for the master, in seconds from the start of the stream.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pause {
-    /// Who waited.
+    /// Who waited: a place in [`FrameStats::workers`].
     pub worker: usize,
     /// Since when.
     pub start: f64,
@@ -30,7 +32,7 @@ pub struct Pause {
     pub deliver: bool,
 }
 
-/// Why a worker was not on a tile, in seconds. What is missing to the whole frame is the scheduler's own work.
+/// Why a worker was not on a tile, in seconds. What is missing to the whole time is the scheduler's own work.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Idle {
     /// Before its first tile.
@@ -39,11 +41,11 @@ pub struct Idle {
     pub work: f64,
     /// Between tiles: the master had not taken its results.
     pub deliver: f64,
-    /// After its last tile, until the frame was complete.
+    /// After its last tile, until all was complete.
     pub tail: f64,
 }
 
-/// What one worker did in one frame.
+/// What one worker did in a frame or a stream of frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorkerStats {
     /// Where it runs.
@@ -93,22 +95,40 @@ impl Messages {
     }
 }
 
-/// What a frame took.
-#[derive(Clone, Debug, PartialEq)]
+/// What the master was busy with, in seconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MasterSeconds {
+    /// To begin and end frames: plans, first tasks, and what the source does with frames.
+    pub frames: f64,
+    /// To take reports to the source and to answer them.
+    pub reports: f64,
+}
+
+/// What a frame took, or a stream of frames.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameStats {
-    /// Wall-clock seconds from dealing the first task to collecting the last output.
+    /// How many frames.
+    pub frames: usize,
+    /// Wall-clock seconds from planning the first frame to collecting the last output.
     pub seconds: f64,
-    /// One entry per worker, by number.
+    /// One entry per worker that took part, by number.
     pub workers: Vec<WorkerStats>,
-    /// One entry per tile, in the order in which they were collected.
+    /// One entry per tile; frame by frame, within a frame in the order in which they were collected.
     pub spans: Vec<Span>,
     /// Tasks, master to worker.
     pub tasks: Messages,
     /// Results, worker to master.
     pub reports: Messages,
+    /// What the master did meanwhile.
+    pub master: MasterSeconds,
 }
 
 impl FrameStats {
+    /// Seconds per frame; of none, of all.
+    pub fn per_frame(&self) -> f64 {
+        self.seconds / self.frames.max(1) as f64
+    }
+
     /// Sums up what the workers did, from the spans and these pauses. A pause counts between the first tile of a worker
     /// and its last: before lies its start, behind its tail.
     pub fn sum_up(&mut self, pauses: &[Pause]) {
@@ -146,19 +166,21 @@ mod tests {
     #[test]
     fn every_moment_of_a_worker_has_one_cause() {
         let mut stats = FrameStats {
+            frames: 2,
             seconds: 10.0,
             workers: vec![WorkerStats::new(Pinned::Free); 2],
             spans: [(1.0, 3.0), (4.0, 6.0)]
                 .map(|(start, end)| Span {
+                    frame: 0,
                     worker: 0,
                     tile: Tile { x: 0, y: 0, width: 1, height: 1 },
                     start,
                     end,
                 })
                 .to_vec(),
-            tasks: Messages::default(),
-            reports: Messages::default(),
+            ..FrameStats::default()
         };
+        assert_eq!(stats.per_frame(), 5.0);
         // Before the first tile, between the two, and behind the last one.
         let pauses = [
             (0, 0.0, 1.0, false),

@@ -53,7 +53,8 @@ impl Strategy {
         }
     }
 
-    /// Tasks that a worker has at most: the one it is on, and those that wait for it.
+    /// Tasks that a worker has at most: the one it is on, and those that wait for it. Of a strategy that deals all of
+    /// a frame at first, tasks of each frame in flight.
     pub fn tasks_at_once(self) -> usize {
         match self {
             Strategy::Static | Strategy::StaticCyclic | Strategy::Dynamic | Strategy::Stealing => 1,
@@ -68,6 +69,11 @@ impl Strategy {
             Strategy::Static | Strategy::StaticCyclic | Strategy::Dynamic | Strategy::Overlap => 1,
             Strategy::NonBlocking | Strategy::Refinement | Strategy::Stealing | Strategy::CostGuided => 8,
         }
+    }
+
+    /// True if all of a frame is dealt when it begins, and nothing afterwards.
+    pub fn deals_at_first(self) -> bool {
+        matches!(self, Strategy::Static | Strategy::StaticCyclic | Strategy::Stealing)
     }
 
     /// True if tasks shrink towards the end of the frame.

@@ -1,13 +1,16 @@
 //! The protocol on real threads: load, panics, cancellation. Every test has a deadline: a hang is a failure.
 
+mod cancel;
 mod dying;
+mod panics;
+mod stream;
 
 use super::*;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::tile::{Order, tiles};
 use std::cell::Cell;
 use std::collections::HashMap;
-use std::panic::{AssertUnwindSafe, catch_unwind, panic_any};
+use std::panic::panic_any;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::time::Duration;
@@ -34,6 +37,7 @@ struct Counting<'a> {
 }
 
 struct Visits {
+    number: usize,
     width: u32,
     mishap: Option<(u32, u32, Mishap)>,
     count: Vec<AtomicUsize>,
@@ -41,11 +45,16 @@ struct Visits {
 
 impl Visits {
     fn new(width: u32, height: u32) -> Visits {
-        Visits { width, mishap: None, count: (0..width * height).map(|_| AtomicUsize::new(0)).collect() }
+        let count = (0..width * height).map(|_| AtomicUsize::new(0)).collect();
+        Visits { number: 0, width, mishap: None, count }
     }
 
     fn with(self, x: u32, y: u32, mishap: Mishap) -> Visits {
         Visits { mishap: Some((x, y, mishap)), ..self }
+    }
+
+    fn numbered(self, number: usize) -> Visits {
+        Visits { number, ..self }
     }
 
     fn whole(&self) -> bool {
@@ -182,147 +191,6 @@ fn many_more_workers_than_cores_finish() {
 }
 
 #[test]
-fn a_panicking_tile_is_named_and_the_next_frame_is_unaffected() {
-    in_time(|| {
-        with_counting(3, |master| {
-            let tiles = tiles(64, 64, 8, Order::Scanline);
-            let control = Control::unattended();
-            for schedule in Schedule::all() {
-                for (mishap, expected) in
-                    [(Mishap::Panic, "no tile at 16 24"), (Mishap::Bomb, "a panic without a message")]
-                {
-                    let frame = Visits::new(64, 64).with(16, 24, mishap);
-                    let error =
-                        master.run_frame(schedule, frame, &tiles, &control, |_, _, _| {}).err().unwrap();
-                    let Error::Worker { x: 16, y: 24, width: 8, height: 8, message } = error else {
-                        panic!("{schedule:?}: {error}");
-                    };
-                    assert_eq!(message, expected);
-                    check_frame(master, schedule, [64, 64], 8);
-                }
-            }
-            Ok(())
-        })
-        .unwrap();
-    });
-}
-
-#[test]
-fn leaving_right_after_a_panic_stops_the_other_workers() {
-    in_time(|| {
-        for schedule in Schedule::all() {
-            let error = with_counting(4, |master| {
-                let frame = Visits::new(640, 640).with(0, 0, Mishap::Panic);
-                let tiles = tiles(640, 640, 8, Order::Scanline);
-                master.run_frame(schedule, frame, &tiles, &Control::unattended(), |_, _, _| {}).map(|_| ())
-            });
-            assert!(matches!(error, Err(Error::Worker { x: 0, y: 0, .. })), "{schedule:?}");
-        }
-    });
-}
-
-#[test]
-fn a_slow_tile_holds_up_only_its_own_worker() {
-    in_time(|| {
-        with_counting(2, |master| {
-            // Static strategies leave the tiles behind a slow one to its worker, whatever happens.
-            let asks = |s: &Schedule| !matches!(s.strategy, Strategy::Static | Strategy::StaticCyclic);
-            for schedule in Schedule::all().filter(asks) {
-                check_frame(master, schedule, [64, 64], 8);
-                let frame = Visits::new(64, 64).with(0, 0, Mishap::Sleep(Duration::from_millis(300)));
-                let tiles = tiles(64, 64, 8, Order::Scanline);
-                let (_, stats) =
-                    master.run_frame(schedule, frame, &tiles, &Control::unattended(), |_, _, _| {})?;
-                let slow = stats.spans.iter().find(|span| (span.tile.x, span.tile.y) == (0, 0)).unwrap();
-                // What its task holds, and the task behind it, is all that had to wait for the slow one.
-                let late = stats.spans.iter().filter(|span| span.start > slow.end).count();
-                let most = if schedule.strategy.shrinks() { 24 } else { 2 };
-                assert!(late <= most, "{schedule:?}: {late} tiles waited");
-            }
-            Ok(())
-        })
-        .unwrap();
-    });
-}
-
-#[test]
-fn cancelling_ends_the_frame_and_keeps_the_workers() {
-    in_time(|| {
-        with_counting(4, |master| {
-            let tiles = tiles(64, 64, 4, Order::Hilbert);
-            for schedule in Schedule::all() {
-                let cancel = AtomicBool::new(false);
-                let progress = |p: Progress| cancel.store(p.done >= 10, Ordering::Relaxed);
-                let control = Control::new(&cancel, &progress);
-                let frame = Visits::new(64, 64);
-                let result = master.run_frame(schedule, frame, &tiles, &control, |_, _, _| {});
-                assert!(matches!(result, Err(Error::Interrupted)), "{schedule:?}");
-                let early =
-                    master.run_frame(schedule, Visits::new(64, 64), &tiles, &control, |_, _, _| panic!());
-                assert!(
-                    matches!(early, Err(Error::Interrupted)),
-                    "a frame that is cancelled before it starts"
-                );
-                check_frame(master, schedule, [64, 64], 4);
-            }
-            Ok(())
-        })
-        .unwrap();
-    });
-}
-
-#[test]
-fn after_a_cancellation_no_worker_begins_another_tile() {
-    in_time(|| {
-        with_counting(1, |master| {
-            // With one parcel only, the worker has to wait for the master after each tile.
-            for strategy in [Strategy::Static, Strategy::StaticCyclic] {
-                let schedule = Schedule { strategy, film: FilmMode::Messages };
-                let cancel = AtomicBool::new(false);
-                let progress = |_: Progress| cancel.store(true, Ordering::Relaxed);
-                let control = Control::new(&cancel, &progress);
-                let (tiles, mut ran) = (tiles(64, 64, 4, Order::Scanline), 0);
-                let frame = Visits::new(64, 64);
-                let result = master.run_frame(schedule, frame, &tiles, &control, |_, _, _| ran += 1);
-                assert!(matches!(result, Err(Error::Interrupted)), "{schedule:?}");
-                assert_eq!(ran, 1, "{schedule:?}");
-            }
-            Ok(())
-        })
-        .unwrap();
-    });
-}
-
-#[test]
-fn the_flag_is_seen_while_no_report_comes() {
-    in_time(|| {
-        with_counting(2, |master| {
-            for schedule in
-                Schedule::all().filter(|s| matches!(s.strategy, Strategy::Static | Strategy::StaticCyclic))
-            {
-                let cancel = AtomicBool::new(false);
-                let tiles = tiles(64, 64, 1, Order::Scanline);
-                let mut ran = 0;
-                std::thread::scope(|scope| {
-                    scope.spawn(|| {
-                        std::thread::sleep(Duration::from_millis(50));
-                        cancel.store(true, Ordering::Relaxed);
-                    });
-                    // The first worker sits on its first tile while the flag is set; the others are behind it.
-                    let frame = Visits::new(64, 64).with(0, 0, Mishap::Sleep(Duration::from_millis(500)));
-                    let control = Control::new(&cancel, &|_| {});
-                    let result = master.run_frame(schedule, frame, &tiles, &control, |_, _, _| ran += 1);
-                    assert!(matches!(result, Err(Error::Interrupted)), "{schedule:?}");
-                });
-                assert!(ran <= 1 + 64 * 32, "{schedule:?}: {ran} tiles ran");
-            }
-            Ok(())
-        })
-        .unwrap();
-    });
-}
-
-#[test]
 fn progress_counts_every_tile_on_the_masters_thread() {
     in_time(|| {
         for schedule in Schedule::all() {
@@ -355,31 +223,6 @@ fn hundreds_of_small_frames_run_on_the_same_workers() {
             Ok(())
         })
         .unwrap();
-    });
-}
-
-#[test]
-fn a_panic_while_collecting_is_survived_inside_and_outside_the_body() {
-    in_time(|| {
-        for schedule in Schedule::all() {
-            let outside = catch_unwind(|| {
-                with_counting(4, |master| {
-                    let tiles = tiles(64, 64, 4, Order::Hilbert);
-                    let control = Control::unattended();
-                    let inside = catch_unwind(AssertUnwindSafe(|| {
-                        master.run_frame(schedule, Visits::new(64, 64), &tiles, &control, |_, _, _| panic!())
-                    }));
-                    assert!(inside.is_err());
-                    let stats = check_frame(master, schedule, [64, 64], 4);
-                    if stats.seconds > 0.0 {
-                        panic!("out of the body");
-                    }
-                    Ok(())
-                })
-            });
-            let message = *outside.unwrap_err().downcast::<&str>().unwrap();
-            assert_eq!(message, "out of the body", "{schedule:?}");
-        }
     });
 }
 

@@ -29,7 +29,7 @@ pub(super) fn work<T: TileTask>(
         inbox.post(Report::Ready { worker, pinned });
         let now = Instant::now();
         let log = Log { waits: vec![], task_latencies: vec![], steals: 0, last_post: now };
-        Hand { task, worker, desk, inbox, scratch, parcel: None, log }.serve();
+        Hand { task, worker, desk, inbox, scratch, frame: 0, parcel: None, log }.serve();
     });
     if served.is_err() {
         inbox.post(Report::Lost { worker });
@@ -44,6 +44,8 @@ struct Hand<'a, T: TileTask> {
     inbox: &'a Inbox<T::Output>,
     /// `None` after a panic, until the next tile.
     scratch: Option<T::Scratch>,
+    /// Number of the frame that it is on.
+    frame: usize,
     /// The one being filled.
     parcel: Option<Box<Parcel<T::Output>>>,
     log: Log,
@@ -69,6 +71,7 @@ impl<T: TileTask> Hand<'_, T> {
                 self.log.task_latencies.push(end.saturating_duration_since(sent));
             }
             self.log.last_post = Instant::now();
+            self.frame = shared.number;
             let failure = match &work {
                 Work::Run(run) => self.run(&shared, &mut run.places()),
                 Work::Share(deque) => {
@@ -80,7 +83,7 @@ impl<T: TileTask> Hand<'_, T> {
                     failure
                 }
             };
-            // Before the report: when the master has all reports, the frame must be its own again.
+            // Before the report: when the master has all of a frame's reports, that must be its own again.
             drop(shared);
             if self.hold_parcel().is_none() {
                 return;
@@ -179,6 +182,7 @@ impl<T: TileTask> Hand<'_, T> {
     /// Sends the parcel held, if any.
     fn post(&mut self) {
         let Some(mut parcel) = self.parcel.take() else { return };
+        parcel.frame = self.frame;
         parcel.waits.append(&mut self.log.waits);
         parcel.task_latencies.append(&mut self.log.task_latencies);
         parcel.steals = std::mem::take(&mut self.log.steals);

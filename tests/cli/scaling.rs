@@ -27,12 +27,43 @@ fn scaling_exports_the_documented_json_and_marks_what_is_simulated() {
         // The built-in scene is none of the thesis'.
         assert!(row["thesis_fps"].is_null() && row["thesis_efficiency"].is_null());
         assert_eq!(row["predicted_efficiency"].is_null(), workers == 1000);
+        assert_eq!(
+            row["frames"],
+            if workers == 1 { 2 } else { 4 },
+            "one worker renders half of a round at a time"
+        );
+        assert_eq!(number("inflation"), 1.0, "against itself, and where nothing else was given");
+        assert_eq!(number("scheduling_efficiency"), number("efficiency"));
         if workers == 1 {
             assert_eq!(number("efficiency"), 1.0);
         } else {
-            // 12 tiles, cut to 16x16 at least, are all the work there is.
-            assert!(number("efficiency") <= 0.013, "{row}");
+            // 12 tiles, cut to 16x16 at least, of each of two frames in flight are all the work there is.
+            assert!(number("efficiency") <= 0.025, "{row}");
         }
+    }
+}
+
+#[test]
+fn scaling_says_how_frames_followed_each_other_and_inflation_is_obeyed() {
+    let folder = Folder::new();
+    let few = format!("{SMALL} --workers 4 --strategies dynamic --films shared");
+    for (flags, told) in [
+        (
+            "--frames 3 --in-flight 1",
+            "single frames, 3 for each worker, each begun when the one before was complete",
+        ),
+        ("", "streams of 2 frames for each worker, 2 of them in flight"),
+        ("--frames 1 --in-flight 9", "streams of 1 frames for each worker, 9 of them in flight"),
+    ] {
+        let text = folder.run(&format!("{few} {flags}"));
+        assert!(text.contains(told), "{flags}: {text}");
+    }
+    let rows = rows(&folder.run(&format!("{few} --inflation 1.5 --export-json -")));
+    let many = rows.iter().find(|row| row["workers"] == 4 && row["simulated"] == true);
+    // Where the machine has four cores, nothing is simulated.
+    if let Some(row) = many {
+        assert_eq!(row["inflation"], 1.5);
+        assert!(row["efficiency"].as_f64().unwrap() < 1.0 / 1.5 + 0.01, "{row}");
     }
 }
 
@@ -109,6 +140,11 @@ fn mistakes_are_told_by_flag() {
         ("--network 10", "--network"),
         ("--network 0,10", "--network"),
         ("--rounds 0", "--rounds"),
+        ("--frames 0", "--frames"),
+        ("--in-flight 0", "--in-flight"),
+        ("--inflation 0.5", "--inflation"),
+        ("--inflation NaN", "--inflation"),
+        ("--tiles --inflation 2", "--tiles"),
         ("--tiles --pictures p", "--tiles"),
         ("--tiles --network 10,10", "--tiles"),
         ("--tiles --strategies static,dynamic", "--strategies"),

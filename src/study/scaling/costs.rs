@@ -19,7 +19,7 @@ const SMALL_SIDE: u32 = 16;
 /// What the simulator charges, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Costs {
-    /// The master, from the start of a frame to the first task it sends.
+    /// The master, to end a frame and to begin another.
     pub prepare: f64,
     /// The sender, to wake somebody who waits.
     pub send: f64,
@@ -39,6 +39,8 @@ pub struct Costs {
     pub per_byte: f64,
     /// With at least this many workers the master has no core of its own.
     pub cores: usize,
+    /// By which factor a tile takes longer than it took one worker alone: cores share memory, cache and clock.
+    pub inflation: f64,
 }
 
 impl Costs {
@@ -50,6 +52,11 @@ impl Costs {
     /// The same on a machine with a core for each of `workers` workers, and none for the master.
     pub(super) fn on_cores(self, workers: usize) -> Costs {
         Costs { cores: workers, ..self }
+    }
+
+    /// The same where tiles take `factor` times as long.
+    pub(super) fn inflated(self, factor: f64) -> Costs {
+        Costs { inflation: self.inflation * factor, ..self }
     }
 
     /// Measures them, in about a tenth of a second.
@@ -65,15 +72,16 @@ impl Costs {
         let last = |stats: &FrameStats| stats.spans.iter().fold(0.0, |end: f64, span| end.max(span.end));
         let latency = |stats: &FrameStats| (stats.tasks.latency() + stats.reports.latency()) / 2.0;
         let send = wake_seconds(FRAMES);
-        let round = quiet(&dynamic, |stats| stats.seconds / count);
-        let way = quiet(&dynamic, latency);
-        let collect_tile =
-            quiet(&stealing, |stats| (stats.workers[0].idle.tail - stats.reports.latency()).max(0.0) / count);
+        // Of stealing all tiles are in one report.
+        let collect_tile = quiet(&stealing, |stats| stats.master.reports / count);
+        // Of dynamic every report has one tile, and its answer wakes the worker.
+        let report = quiet(&dynamic, |stats| stats.master.reports / stats.reports.count as f64);
         Ok(Costs {
-            prepare: quiet(&small, |stats| (stats.workers[0].idle.start - stats.tasks.latency()).max(0.0)),
+            // The first task wakes the worker.
+            prepare: quiet(&small, |stats| (stats.master.frames - send).max(0.0)),
             send,
-            latency: way,
-            collect: (round - 2.0 * way - collect_tile).max(0.0),
+            latency: quiet(&dynamic, latency),
+            collect: (report - send - collect_tile).max(0.0),
             collect_tile,
             tile: quiet(&stealing, |stats| {
                 (last(stats) - stats.workers[0].idle.start - stats.workers[0].busy_seconds).max(0.0) / count
@@ -83,6 +91,7 @@ impl Costs {
             switch: 2.0 * send,
             per_byte: copy_seconds_per_byte(),
             cores: Machine::get().default_workers(),
+            inflation: 1.0,
         })
     }
 }

@@ -1,74 +1,188 @@
-//! Frames of a scene under every schedule, in interleaved rounds, and what its tiles cost.
+//! A scene under every schedule, in interleaved rounds, and what its tiles cost.
+//!
+//! One round of a schedule, with two workers: frames by one worker, twice as many by two, then by one worker on another
+//! core. So whatever makes the machine faster or slower for a while, or one core slower than another, is on both
+//! sides of the ratio.
 
-use super::{Costs, simulate};
+use super::{Costs, Flow, LONGEST_MEASURED, Replay, simulate};
 use crate::error::Result;
 use crate::math::median;
-use crate::render::Stage;
+use crate::render::{Session, Stage};
 use crate::schedule::{Control, CostMap, FilmMode, FrameStats, Machine, Placement, Plan, Schedule, Strategy};
 use crate::tile::Tile;
 use std::collections::HashMap;
 
-/// Frames of one schedule with one number of workers.
+/// Rounds of one schedule with one number of workers.
 #[derive(Clone, Debug)]
 pub(super) struct Measured {
     /// How they were scheduled.
     pub(super) schedule: Schedule,
     /// By how many workers.
     pub(super) workers: usize,
-    /// In the order of the rounds.
-    pub(super) frames: Vec<FrameStats>,
+    /// Streams of frames: two for each round of one worker, else one.
+    pub(super) streams: Vec<FrameStats>,
 }
 
 impl Measured {
-    /// The frame whose time is the median (of an even number the faster one of the middle two).
-    pub(super) fn median_frame(&self) -> &FrameStats {
-        let mut order: Vec<&FrameStats> = self.frames.iter().collect();
-        order.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    fn rounds(&self) -> std::slice::Chunks<'_, FrameStats> {
+        self.streams.chunks(if self.workers == 1 { 2 } else { 1 })
+    }
+
+    /// Seconds per frame in each round.
+    pub(super) fn seconds(&self) -> Vec<f64> {
+        let per_frame = |streams: &[FrameStats]| {
+            let frames: usize = streams.iter().map(|stream| stream.frames).sum();
+            streams.iter().map(|stream| stream.seconds).sum::<f64>() / frames as f64
+        };
+        self.rounds().map(per_frame).collect()
+    }
+
+    /// The stream whose time per frame is the median (of an even number the faster one of the middle two).
+    pub(super) fn median_stream(&self) -> &FrameStats {
+        let mut order: Vec<&FrameStats> = self.streams.iter().collect();
+        order.sort_by(|a, b| a.per_frame().total_cmp(&b.per_frame()));
         order[(order.len() - 1) / 2]
     }
 
-    /// Seconds of each frame.
-    pub(super) fn seconds(&self) -> Vec<f64> {
-        self.frames.iter().map(|frame| frame.seconds).collect()
+    /// By which factor tiles take longer than those of `alone` in the same round: the median of the rounds. Tiles that only
+    /// one of them has are left out: strategies may cut them in other ways for more workers.
+    pub(super) fn inflation(&self, alone: &Measured) -> f64 {
+        let ratio = |(many, one): (&[FrameStats], &[FrameStats])| {
+            let (many, one) = (mean_costs(many), mean_costs(one));
+            let common = many.iter().filter_map(|(tile, &seconds)| Some((seconds, *one.get(tile)?)));
+            let (many, one) = common.fold((0.0, 0.0), |sum, pair| (sum.0 + pair.0, sum.1 + pair.1));
+            many / one
+        };
+        median(&self.rounds().zip(alone.rounds()).map(ratio).collect::<Vec<f64>>())
     }
 }
 
-/// Renders `rounds` frames for each schedule and number of workers: round by round, so that a busy moment of the machine
-/// hits all of them alike. The first frame of new workers is not counted.
-///
-/// # Errors
-/// As [`crate::render::Session::frame`], and [`crate::error::Error::Failed`] if two images differ.
-pub(super) fn measure(
-    stage: &Stage<'_>,
-    schedules: &[Schedule],
-    workers: &[usize],
-    rounds: u32,
-    pin: bool,
-    side: u32,
-    control: &Control<'_>,
-) -> Result<Vec<Measured>> {
-    let tiles = stage.tiles(side);
-    let mut all: Vec<Measured> = workers
-        .iter()
-        .flat_map(|&workers| {
-            schedules.iter().map(move |&schedule| Measured { schedule, workers, frames: vec![] })
-        })
-        .collect();
-    let mut hash: Option<String> = None;
-    for _ in 0..rounds {
-        for &count in workers {
-            let placement = Placement::new(Machine::get(), Some(count), pin);
-            stage.with_session(&placement, |session| {
-                session.frame(Schedule::default(), &tiles, control)?;
-                for measured in all.iter_mut().filter(|measured| measured.workers == count) {
-                    measured.frames.push(session.frame(measured.schedule, &tiles, control)?);
-                    check_image(session.film().sha256(), measured.schedule, &mut hash)?;
-                }
-                Ok(())
-            })?;
-        }
+/// Mean seconds of each tile.
+fn mean_costs(streams: &[FrameStats]) -> HashMap<Tile, f64> {
+    let mut sums: HashMap<Tile, (f64, f64)> = HashMap::new();
+    for span in streams.iter().flat_map(|stream| &stream.spans) {
+        let (seconds, count) = sums.entry(span.tile).or_default();
+        *seconds += span.end - span.start;
+        *count += 1.0;
     }
-    Ok(all)
+    sums.into_iter().map(|(tile, (seconds, count))| (tile, seconds / count)).collect()
+}
+
+/// What is measured.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Rounds {
+    /// One per schedule and number of workers.
+    pub(super) all: Vec<Measured>,
+    /// Of each film mode, frames of one worker with tiles of half the side, a quarter and so on, down to 16 pixels: the
+    /// strategies that cut tiles cut them so.
+    pub(super) smaller: HashMap<FilmMode, Vec<FrameStats>>,
+}
+
+/// How it is measured.
+pub(super) struct Method<'a> {
+    pub(super) schedules: &'a [Schedule],
+    /// Numbers of workers, ascending and more than one; one worker is always measured.
+    pub(super) workers: &'a [usize],
+    pub(super) rounds: u32,
+    /// For each worker.
+    pub(super) flow: Flow,
+    pub(super) pin: bool,
+    pub(super) side: u32,
+}
+
+impl Method<'_> {
+    /// Measures. The first frames of new workers are not counted.
+    ///
+    /// # Errors
+    /// As [`Session::stream`], and [`crate::error::Error::Failed`] if two images differ.
+    pub(super) fn measure(&self, stage: &Stage<'_>, control: &Control<'_>) -> Result<Rounds> {
+        let most = self.workers.last().map_or(1, |&most| most);
+        let counts = std::iter::once(1).chain(self.workers.iter().copied());
+        let measured = |&schedule: &Schedule| {
+            counts.clone().map(move |workers| Measured { schedule, workers, streams: vec![] })
+        };
+        let mut rounds =
+            Rounds { all: self.schedules.iter().flat_map(measured).collect(), ..Rounds::default() };
+        let placement =
+            Placement::new(Machine::get(), Some(most.max(Machine::get().default_workers())), self.pin);
+        stage.with_session(&placement, |session| {
+            let cores = placement.slots().len();
+            let mut bench = Bench { stage, session, control, hash: None };
+            bench.warm_up(self)?;
+            for round in 0..self.rounds as usize {
+                for of_schedule in rounds.all.chunks_mut(1 + self.workers.len()) {
+                    let [one, more @ ..] = of_schedule else { continue };
+                    let before = (2 * round) % cores;
+                    one.streams.push(bench.stream(self, one.schedule, before..before + 1)?);
+                    for many in more {
+                        many.streams.push(bench.stream(self, many.schedule, 0..many.workers)?);
+                    }
+                    let after = (2 * round + 1) % cores;
+                    one.streams.push(bench.stream(self, one.schedule, after..after + 1)?);
+                }
+                bench.smaller_tiles(self, round % cores, &mut rounds.smaller)?;
+            }
+            Ok(())
+        })?;
+        Ok(rounds)
+    }
+}
+
+struct Bench<'b, 'm, 'a, 's> {
+    stage: &'b Stage<'s>,
+    session: &'b mut Session<'m, 'a>,
+    control: &'b Control<'b>,
+    /// Of the first image.
+    hash: Option<String>,
+}
+
+impl Bench<'_, '_, '_, '_> {
+    fn warm_up(&mut self, method: &Method<'_>) -> Result<()> {
+        let tiles = self.stage.tiles(method.side);
+        let most = method.workers.last().map_or(1, |&most| most);
+        let Flow { frames, in_flight } = method.flow.of(most, LONGEST_MEASURED);
+        self.session.stream(Schedule::default(), &tiles, frames, in_flight, self.control).map(|_| ())
+    }
+
+    fn stream(
+        &mut self,
+        method: &Method<'_>,
+        schedule: Schedule,
+        workers: std::ops::Range<usize>,
+    ) -> Result<FrameStats> {
+        let Flow { frames, in_flight } = method.flow.of(workers.len(), LONGEST_MEASURED);
+        self.session.employ(workers);
+        let tiles = self.stage.tiles(method.side);
+        let stats = self.session.stream(schedule, &tiles, frames, in_flight, self.control)?;
+        self.session
+            .films()
+            .iter()
+            .try_for_each(|film| check_image(film.sha256(), schedule, &mut self.hash))?;
+        Ok(stats)
+    }
+
+    fn smaller_tiles(
+        &mut self,
+        method: &Method<'_>,
+        worker: usize,
+        smaller: &mut HashMap<FilmMode, Vec<FrameStats>>,
+    ) -> Result<()> {
+        self.session.employ(worker..worker + 1);
+        for film in films(method.schedules) {
+            let schedule = Schedule { strategy: Strategy::Stealing, film };
+            let halves = std::iter::successors(Some(method.side / 2), |side| Some(side / 2));
+            for side in halves.take_while(|&side| side >= 16) {
+                let stats = self.session.stream(schedule, &self.stage.tiles(side), 1, 1, self.control)?;
+                smaller.entry(film).or_default().push(stats);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Those that occur.
+pub(super) fn films(schedules: &[Schedule]) -> impl Iterator<Item = FilmMode> {
+    FilmMode::ALL.into_iter().filter(|&film| schedules.iter().any(|schedule| schedule.film == film))
 }
 
 /// A schedule that changes the image is not worth timing.
@@ -104,17 +218,21 @@ impl TileCosts {
         TileCosts { seconds, map }
     }
 
-    /// What a frame of `tiles` would take `workers` workers.
+    /// What frames of `tiles` would take `workers` workers.
     pub(super) fn simulate(
         &self,
         schedule: Schedule,
         workers: usize,
+        flow: Flow,
         tiles: &[Tile],
         costs: &Costs,
     ) -> FrameStats {
-        let plan = Plan::new(schedule.strategy, workers, tiles, &self.map);
-        let seconds: Vec<f64> = plan.tiles.iter().map(|&tile| self.of(tile)).collect();
-        simulate(schedule, workers, &plan, &seconds, costs)
+        let replay = |end| {
+            let plan = Plan::new(schedule.strategy, workers, end, tiles, &self.map);
+            let seconds = plan.tiles.iter().map(|&tile| self.of(tile)).collect();
+            Replay { plan, seconds }
+        };
+        simulate(schedule, workers, flow, replay, costs)
     }
 
     /// As it was measured, or what its pixels took in the tile around it.
@@ -123,49 +241,26 @@ impl TileCosts {
     }
 }
 
-/// Frames of one worker with tiles of half the side, a quarter and so on, down to 16 pixels: the strategies that cut tiles
-/// cut them so.
-///
-/// # Errors
-/// As [`crate::render::Session::frame`].
-pub(super) fn smaller_tiles(
-    stage: &Stage<'_>,
-    film: FilmMode,
-    side: u32,
-    pin: bool,
-    control: &Control<'_>,
-) -> Result<Vec<FrameStats>> {
-    let placement = Placement::new(Machine::get(), Some(1), pin);
-    let schedule = Schedule { strategy: Strategy::Stealing, film };
-    let sides: Vec<u32> =
-        std::iter::successors(Some(side / 2), |side| Some(side / 2)).take_while(|&side| side >= 16).collect();
-    stage.with_session(&placement, |session| {
-        let mut frames = vec![];
-        for side in sides {
-            let tiles = stage.tiles(side);
-            for _ in 0..3 {
-                frames.push(session.frame(schedule, &tiles, control)?);
-            }
-        }
-        Ok(frames)
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::schedule::{Messages, Span};
+    use crate::schedule::Span;
+
+    /// A stream of one frame whose tiles took so long, one after another.
+    fn stream(tiles: &[(Tile, f64)]) -> FrameStats {
+        let mut seconds = 0.0;
+        let mut spans = vec![];
+        for &(tile, took) in tiles {
+            spans.push(Span { frame: 0, worker: 0, tile, start: seconds, end: seconds + took });
+            seconds += took;
+        }
+        FrameStats { frames: 1, seconds, spans, ..FrameStats::default() }
+    }
 
     #[test]
     fn a_tile_costs_its_median_and_a_part_of_it_its_share() {
         let tile = Tile { x: 0, y: 0, width: 32, height: 32 };
-        let frames = [1.0, 9.0, 3.0].map(|end| FrameStats {
-            seconds: end,
-            workers: vec![],
-            spans: vec![Span { worker: 0, tile, start: 0.0, end }],
-            tasks: Messages::default(),
-            reports: Messages::default(),
-        });
+        let frames = [1.0, 9.0, 3.0].map(|end| stream(&[(tile, end)]));
         let costs = TileCosts::new(&[tile], &frames);
         assert_eq!(costs.of(tile), 3.0);
         assert!((costs.of(Tile { width: 16, ..tile }) - 1.5).abs() < 1e-12);
@@ -184,17 +279,23 @@ mod tests {
     }
 
     #[test]
-    fn the_median_frame_is_one_that_was_rendered() {
-        let frame = |seconds: f64| FrameStats {
-            seconds,
-            workers: vec![],
-            spans: vec![],
-            tasks: Messages::default(),
-            reports: Messages::default(),
-        };
-        let frames = [4.0, 1.0, 3.0, 2.0].map(frame).to_vec();
-        let measured = Measured { schedule: Schedule::default(), workers: 1, frames };
-        assert_eq!(measured.median_frame().seconds, 2.0);
+    fn a_round_of_one_worker_is_two_streams_and_the_median_stream_was_rendered() {
+        let tile = |x| Tile { x, y: 0, width: 16, height: 16 };
+        let streams = [4.0, 1.0, 3.0, 2.0].map(|seconds| stream(&[(tile(0), seconds)])).to_vec();
+        let mut measured = Measured { schedule: Schedule::default(), workers: 2, streams };
+        assert_eq!(measured.median_stream().seconds, 2.0);
         assert_eq!(measured.seconds(), [4.0, 1.0, 3.0, 2.0]);
+        measured.workers = 1;
+        assert_eq!(measured.seconds(), [2.5, 2.5]);
+    }
+
+    #[test]
+    fn inflation_is_of_the_tiles_that_both_have_round_by_round() {
+        let tile = |x| Tile { x, y: 0, width: 16, height: 16 };
+        let measured = |workers, streams| Measured { schedule: Schedule::default(), workers, streams };
+        let one = measured(1, vec![stream(&[(tile(0), 1.0), (tile(16), 2.0)]), stream(&[(tile(0), 3.0)])]);
+        // 2 + 2 alone; the third tile is not known there.
+        let two = measured(2, vec![stream(&[(tile(0), 2.5), (tile(16), 2.5), (tile(32), 99.0)])]);
+        assert!((two.inflation(&one) - 1.25).abs() < 1e-12);
     }
 }

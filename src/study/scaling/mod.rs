@@ -8,7 +8,7 @@ mod sizes;
 mod thesis;
 
 pub use costs::{Costs, overhead_per_tile};
-pub use simulate::simulate;
+pub use simulate::{Flow, Replay, simulate};
 pub use sizes::{SizeRow, tile_sizes};
 pub use thesis::ThesisFigure;
 
@@ -17,11 +17,16 @@ use crate::{
     math::median,
     render::{RenderOptions, Stage},
     scene::Scene,
-    schedule::{Control, FilmMode, FrameStats, Machine, Schedule},
+    schedule::{Control, FrameStats, Machine, Schedule},
     tile::Tile,
 };
-use measure::{Measured, TileCosts};
+use measure::{Measured, Method, Rounds, TileCosts};
 use thesis::thesis_figure;
+
+/// No stream is measured that is longer, since each of its frames has a film, ...
+const LONGEST_MEASURED: usize = 16;
+/// ... and none simulated.
+const LONGEST_SIMULATED: usize = 64;
 
 /// What to measure.
 #[derive(Clone, Debug)]
@@ -32,8 +37,12 @@ pub struct ScalingOptions {
     pub schedules: Vec<Schedule>,
     /// Numbers of workers, ascending; more than the machine has cores are simulated.
     pub workers: Vec<usize>,
-    /// Frames of which the median counts, >= 1.
+    /// Rounds of which the median counts, >= 1.
     pub rounds: u32,
+    /// Frames of a round for each worker.
+    pub flow: Flow,
+    /// By which factor tiles are taken to last longer where more workers than cores are simulated.
+    pub inflation: f64,
     /// Latency in seconds and bits per second of the network of a simulated cluster.
     pub network: Option<(f64, f64)>,
     /// The scene's name in the thesis, if it is one of the thesis'.
@@ -51,15 +60,18 @@ pub struct ScalingRow {
     pub workers: usize,
     /// Predicted from tile costs instead of measured.
     pub simulated: bool,
-    /// Seconds of every frame.
+    /// Seconds per frame of every round.
     pub seconds: Vec<f64>,
-    /// T1 / (n Tn), medians; for one worker 1.
+    /// T1 / (n Tn), each of the same round, the median; for one worker 1.
     pub efficiency: f64,
-    /// The same of the fastest frames, which other processes disturbed least.
+    /// The same of the fastest rounds, which other processes disturbed least.
     pub fastest: f64,
-    /// Of a measured row: what the simulator says.
+    /// By which factor a tile took longer than one worker alone took for it, in the same round: the median. What cores
+    /// share, and what others take from them; no scheduler can help it. Of a simulated row, what it was told.
+    pub inflation: f64,
+    /// Of a measured row: what the simulator says, told the inflation.
     pub predicted: Option<f64>,
-    /// The median frame.
+    /// The stream of the median round.
     pub frame: FrameStats,
     /// What the thesis found.
     pub thesis: Option<ThesisFigure>,
@@ -69,6 +81,11 @@ impl ScalingRow {
     /// Median seconds.
     pub fn median(&self) -> f64 {
         median(&self.seconds)
+    }
+
+    /// Efficiency without inflation: what of the time went into tiles, compared with one worker.
+    pub fn scheduling(&self) -> f64 {
+        self.efficiency * self.inflation
     }
 
     /// What keeps the workers from their tiles: mean share of the frame by cause, the largest first. "scheduler" is what
@@ -94,7 +111,7 @@ impl ScalingRow {
 /// Measures and simulates one scene.
 ///
 /// # Errors
-/// As [`Stage::new`] and [`crate::render::Session::frame`]; [`crate::error::Error::Failed`] if images differ.
+/// As [`Stage::new`] and [`crate::render::Session::stream`]; [`crate::error::Error::Failed`] if images differ.
 pub fn scaling(
     scene: &Scene,
     options: &ScalingOptions,
@@ -102,79 +119,123 @@ pub fn scaling(
     control: &Control<'_>,
 ) -> Result<Vec<ScalingRow>> {
     let stage = Stage::new(scene, &options.render)?;
-    let RenderOptions { pin, tile: side, .. } = options.render;
     let cores = Machine::get().default_workers();
     // Efficiency is against one worker, asked for or not.
-    let mut measured: Vec<usize> = options.workers.iter().copied().filter(|&n| n > 1 && n <= cores).collect();
-    measured.insert(0, 1);
-    let all = measure::measure(&stage, &options.schedules, &measured, options.rounds, pin, side, control)?;
-    let base = stage.tiles(side);
-    let tile_costs = tile_costs(&stage, &base, options, &all, control)?;
+    let several: Vec<usize> = options.workers.iter().copied().filter(|&n| n > 1 && n <= cores).collect();
+    let method = Method {
+        schedules: &options.schedules,
+        workers: &several,
+        rounds: options.rounds,
+        flow: options.flow,
+        pin: options.render.pin,
+        side: options.render.tile,
+    };
+    let rounds = method.measure(&stage, control)?;
+    let base = stage.tiles(method.side);
     let mut rows = vec![];
-    for &schedule in &options.schedules {
-        let Some((_, tiles)) = tile_costs.iter().find(|(film, _)| *film == schedule.film) else { continue };
-        let predict = |workers: usize| {
-            let costs = match options.network {
-                _ if workers <= cores => *costs,
-                Some((latency, bits)) => costs.on_network(latency, bits),
-                None => costs.on_cores(workers),
-            };
-            tiles.simulate(schedule, workers, &base, &costs)
-        };
-        let predicted_one = predict(1).seconds;
-        let find = |workers: usize| all.iter().find(|m| m.workers == workers && m.schedule == schedule);
-        let one = find(1).map_or(f64::NAN, |m| median(&m.seconds()));
-        let fastest_one = find(1).map_or(f64::NAN, |m| least(&m.seconds()));
-        for &workers in &options.workers {
-            let predicted = predict(workers);
-            let predicted_efficiency = predicted_one / (workers as f64 * predicted.seconds);
-            let (simulated, seconds, frame) = match find(workers) {
-                Some(measured) => (false, measured.seconds(), measured.median_frame().clone()),
-                None => (true, vec![predicted.seconds], predicted),
-            };
-            let against = |one: f64, many: f64| match simulated {
-                true => predicted_efficiency,
-                false => one / (workers as f64 * many),
-            };
-            let efficiency = against(one, median(&seconds));
-            let fastest = against(fastest_one, least(&seconds));
-            rows.push(ScalingRow {
-                scene: scene.name.clone(),
-                schedule,
-                workers,
-                simulated,
-                seconds,
-                efficiency,
-                fastest,
-                predicted: (!simulated).then_some(predicted_efficiency),
-                frame,
-                thesis: options
-                    .thesis_scene
-                    .as_deref()
-                    .and_then(|name| thesis_figure(name, schedule.strategy, workers)),
-            });
+    for film in measure::films(&options.schedules) {
+        let alone = rounds.all.iter().filter(|m| m.workers == 1 && m.schedule.film == film);
+        let streams = alone.flat_map(|m| &m.streams).chain(rounds.smaller.get(&film).into_iter().flatten());
+        let tiles = TileCosts::new(&base, streams);
+        let study = Study { scene, options, costs, cores, rounds: &rounds, base: &base };
+        for &schedule in options.schedules.iter().filter(|schedule| schedule.film == film) {
+            rows.extend(study.rows(schedule, &tiles));
         }
     }
     Ok(rows)
 }
 
-/// What tiles cost one worker, for each film mode that is asked for.
-fn tile_costs(
-    stage: &Stage<'_>,
-    base: &[Tile],
-    options: &ScalingOptions,
-    measured: &[Measured],
-    control: &Control<'_>,
-) -> Result<Vec<(FilmMode, TileCosts)>> {
-    let RenderOptions { pin, tile: side, .. } = options.render;
-    let asked_for = |film: &FilmMode| options.schedules.iter().any(|schedule| schedule.film == *film);
-    let costs = |film: FilmMode| -> Result<_> {
-        let smaller = measure::smaller_tiles(stage, film, side, pin, control)?;
-        let alone = measured.iter().filter(|m| m.workers == 1 && m.schedule.film == film);
-        let frames = alone.flat_map(|m| &m.frames).chain(&smaller);
-        Ok((film, TileCosts::new(base, frames)))
-    };
-    FilmMode::ALL.into_iter().filter(asked_for).map(costs).collect()
+/// What the rows of a scene are made of.
+struct Study<'a> {
+    scene: &'a Scene,
+    options: &'a ScalingOptions,
+    costs: &'a Costs,
+    cores: usize,
+    rounds: &'a Rounds,
+    base: &'a [Tile],
+}
+
+impl Study<'_> {
+    /// One for each number of workers.
+    fn rows(&self, schedule: Schedule, tiles: &TileCosts) -> Vec<ScalingRow> {
+        let of = |workers| self.rounds.all.iter().find(|m| m.workers == workers && m.schedule == schedule);
+        let Some(one) = of(1) else { return vec![] };
+        let row = |&workers: &usize| match of(workers) {
+            Some(measured) => self.measured(measured, one, tiles),
+            None => self.simulated(schedule, workers, tiles),
+        };
+        self.options.workers.iter().map(row).collect()
+    }
+
+    fn measured(&self, measured: &Measured, one: &Measured, tiles: &TileCosts) -> ScalingRow {
+        let (workers, seconds, alone) = (measured.workers, measured.seconds(), one.seconds());
+        let against = |one: f64, many: f64| one / (workers as f64 * many);
+        let ratios: Vec<f64> = alone.iter().zip(&seconds).map(|(&one, &many)| against(one, many)).collect();
+        let inflation = measured.inflation(one);
+        let (predicted, _) = self.predict(measured.schedule, workers, tiles, inflation);
+        ScalingRow {
+            simulated: false,
+            efficiency: median(&ratios),
+            fastest: against(least(&alone), least(&seconds)),
+            seconds,
+            inflation,
+            predicted: Some(predicted),
+            frame: measured.median_stream().clone(),
+            ..self.row(measured.schedule, workers)
+        }
+    }
+
+    fn simulated(&self, schedule: Schedule, workers: usize, tiles: &TileCosts) -> ScalingRow {
+        let inflation = self.options.inflation;
+        let (efficiency, frame) = self.predict(schedule, workers, tiles, inflation);
+        ScalingRow {
+            simulated: true,
+            seconds: vec![frame.per_frame()],
+            efficiency,
+            fastest: efficiency,
+            inflation,
+            frame,
+            ..self.row(schedule, workers)
+        }
+    }
+
+    /// Efficiency and stream as the simulator has them.
+    fn predict(
+        &self,
+        schedule: Schedule,
+        workers: usize,
+        tiles: &TileCosts,
+        inflation: f64,
+    ) -> (f64, FrameStats) {
+        let costs = match self.options.network {
+            _ if workers <= self.cores => *self.costs,
+            Some((latency, bits)) => self.costs.on_network(latency, bits),
+            None => self.costs.on_cores(workers),
+        };
+        let longest = if workers <= self.cores { LONGEST_MEASURED } else { LONGEST_SIMULATED };
+        let flow = self.options.flow.of(workers, longest);
+        let one = tiles.simulate(schedule, 1, self.options.flow, self.base, self.costs);
+        let many = tiles.simulate(schedule, workers, flow, self.base, &costs.inflated(inflation));
+        (one.per_frame() / (workers as f64 * many.per_frame()), many)
+    }
+
+    /// What is known of a row before it is measured or simulated.
+    fn row(&self, schedule: Schedule, workers: usize) -> ScalingRow {
+        let thesis = self.options.thesis_scene.as_deref();
+        ScalingRow {
+            scene: self.scene.name.clone(),
+            schedule,
+            workers,
+            simulated: false,
+            seconds: vec![],
+            efficiency: f64::NAN,
+            fastest: f64::NAN,
+            inflation: 1.0,
+            predicted: None,
+            frame: FrameStats::default(),
+            thesis: thesis.and_then(|name| thesis_figure(name, schedule.strategy, workers)),
+        }
+    }
 }
 
 fn least(samples: &[f64]) -> f64 {
@@ -184,7 +245,7 @@ fn least(samples: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::schedule::{Idle, Messages, Pinned, Strategy, WorkerStats};
+    use crate::schedule::{FilmMode, Idle, Pinned, Strategy, WorkerStats};
 
     #[test]
     fn what_limits_a_frame_is_told_by_its_mean_share() {
@@ -196,11 +257,10 @@ mod tests {
             steals: 0,
         };
         let frame = FrameStats {
+            frames: 1,
             seconds: 10.0,
             workers: vec![worker(8.0, 1.0, 0.5), worker(5.0, 1.0, 3.5)],
-            spans: vec![],
-            tasks: Messages::default(),
-            reports: Messages::default(),
+            ..FrameStats::default()
         };
         let row = ScalingRow {
             scene: String::new(),
@@ -210,12 +270,14 @@ mod tests {
             seconds: vec![10.0],
             efficiency: 1.0,
             fastest: 1.0,
+            inflation: 1.25,
             predicted: None,
             frame,
             thesis: None,
         };
         let expected = [("tail", 0.2), ("start", 0.1), ("work", 0.05), ("deliver", 0.0), ("scheduler", 0.0)];
         let limits = row.limits();
+        assert_eq!(row.scheduling(), 1.25);
         assert_eq!(limits.len(), expected.len());
         for (name, share) in expected {
             let found = limits.iter().find(|limit| limit.0 == name).unwrap();

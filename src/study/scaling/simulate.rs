@@ -13,28 +13,62 @@
 //! there until he looks. The master handles reports in the order of their arrival. Where it has no core of its own, a
 //! worker loses the time that the master takes, unless one waits anyway.
 
+mod state;
+
 use super::costs::Costs;
 use crate::schedule::{
-    Dealer, FilmMode, FrameStats, Idle, Messages, Pause, Pinned, Plan, Run, Schedule, Span, Strategy,
-    WorkerStats,
+    Dealer, End, FilmMode, FrameStats, Idle, MasterSeconds, Messages, Pause, Pinned, Plan, Run, Schedule,
+    Span, Strategy, WorkerStats,
 };
+use state::{Event, Flight, Report, Task, What, Worker, take_first};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
-/// Predicts one frame. `seconds` are the costs of the plan's tiles, in its order.
+/// How many frames follow each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Flow {
+    /// Frames in all, >= 1.
+    pub frames: usize,
+    /// How many of them are in flight at most, >= 1.
+    pub in_flight: usize,
+}
+
+impl Flow {
+    /// A single frame.
+    pub const ONE: Flow = Flow { frames: 1, in_flight: 1 };
+
+    /// The same for `workers` workers: so many times the frames, so that any number of them has about as long to do, but
+    /// not more than `most`.
+    pub(super) fn of(self, workers: usize, most: usize) -> Flow {
+        Flow { frames: (self.frames * workers).min(most.max(self.frames)), ..self }
+    }
+}
+
+/// A frame to be replayed.
+#[derive(Clone, Debug)]
+pub struct Replay {
+    /// Its tiles.
+    pub plan: Plan,
+    /// What each of them costs, in the plan's order.
+    pub seconds: Vec<f64>,
+}
+
+/// Predicts a stream of frames: those that others follow, and the last one.
 ///
 /// # Panics
 /// If there is not one cost per tile, or no worker.
 pub fn simulate(
     schedule: Schedule,
     workers: usize,
-    plan: &Plan,
-    seconds: &[f64],
+    flow: Flow,
+    replay: impl Fn(End) -> Replay,
     costs: &Costs,
 ) -> FrameStats {
-    assert!(workers > 0 && seconds.len() == plan.tiles.len(), "a cost for every tile, and a worker");
-    let mut run = Simulation::new(schedule, workers, plan, seconds, costs);
-    run.deal_first();
+    let replays = [End::Overlapped, End::Awaited].map(replay);
+    let complete = |replay: &Replay| replay.seconds.len() == replay.plan.tiles.len();
+    assert!(workers > 0 && replays.iter().all(complete), "a cost for every tile, and a worker");
+    let mut run = Simulation::new(schedule, workers, flow, &replays, costs);
+    run.begin_frames(0.0);
     while let Some(Reverse(event)) = run.events.pop() {
         match event.what {
             What::Look(worker) => run.look(worker, event.at()),
@@ -44,58 +78,14 @@ pub fn simulate(
     run.stats()
 }
 
-/// Picoseconds, so that times have an order.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Event {
-    at: u64,
-    /// Of events at the same time, the first one created comes first.
-    number: u64,
-    what: What,
-}
-
-impl Event {
-    fn at(self) -> f64 {
-        self.at as f64 * 1e-12
-    }
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum What {
-    /// The worker looks what to do next.
-    Look(usize),
-    /// A report reaches the master.
-    Arrive(Report),
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Report {
-    worker: usize,
-    tiles: usize,
-    pixels: usize,
-    finished: bool,
-}
-
-#[derive(Default)]
-struct Worker {
-    /// What is left of the task it is on.
-    task: Option<Run>,
-    waiting: VecDeque<Run>,
-    parcels: usize,
-    /// Since when, and for what it waits; it has no event then.
-    waits: Option<(f64, bool)>,
-    /// Results in the parcel being filled: tiles, pixels.
-    filled: (usize, usize),
-    /// Time that the master took from it.
-    debt: f64,
-    steals: usize,
-}
-
 struct Simulation<'a> {
     schedule: Schedule,
-    plan: &'a Plan,
-    seconds: &'a [f64],
+    flow: Flow,
+    /// Of a frame that another one follows, and of the last one.
+    replays: &'a [Replay; 2],
     costs: &'a Costs,
-    dealer: Dealer,
+    begun: usize,
+    flights: VecDeque<Flight>,
     workers: Vec<Worker>,
     events: BinaryHeap<Reverse<Event>>,
     number: u64,
@@ -105,33 +95,36 @@ struct Simulation<'a> {
     pauses: Vec<Pause>,
     tasks: Messages,
     reports: Messages,
+    master: MasterSeconds,
 }
 
 impl<'a> Simulation<'a> {
     fn new(
         schedule: Schedule,
         workers: usize,
-        plan: &'a Plan,
-        seconds: &'a [f64],
+        flow: Flow,
+        replays: &'a [Replay; 2],
         costs: &'a Costs,
     ) -> Simulation<'a> {
         let parcels = schedule.strategy.parcels();
         let worker = || Worker { parcels, waits: Some((0.0, false)), ..Worker::default() };
         Simulation {
             schedule,
-            plan,
-            seconds,
+            flow,
+            replays,
             costs,
-            dealer: Dealer::new(schedule.strategy, workers, plan),
+            begun: 0,
+            flights: VecDeque::new(),
             workers: (0..workers).map(|_| worker()).collect(),
             events: BinaryHeap::new(),
             number: 0,
             master_free: 0.0,
             end: 0.0,
-            spans: Vec::with_capacity(plan.tiles.len()),
+            spans: Vec::with_capacity(flow.frames * replays[0].plan.tiles.len()),
             pauses: vec![],
             tasks: Messages::default(),
             reports: Messages::default(),
+            master: MasterSeconds::default(),
         }
     }
 
@@ -140,36 +133,77 @@ impl<'a> Simulation<'a> {
         self.events.push(Reverse(Event { at: (seconds * 1e12) as u64, number: self.number, what }));
     }
 
-    fn deal_first(&mut self) {
-        self.master_free = self.costs.prepare;
-        let stealing = self.schedule.strategy == Strategy::Stealing;
-        for worker in 0..self.workers.len() {
-            let run = self.dealer.first(worker, self.plan);
-            // Who owns nothing may steal.
+    fn stealing(&self) -> bool {
+        self.schedule.strategy == Strategy::Stealing
+    }
+
+    /// The master ends complete frames and begins others, from `now` on.
+    fn begin_frames(&mut self, now: f64) {
+        let replays = self.replays;
+        let complete = |f: &mut Flight| f.due == 0 && f.done == replays[f.replay].plan.tiles.len();
+        while self.flights.pop_front_if(complete).is_some() {}
+        while self.flights.len() < self.flow.in_flight && self.begun < self.flow.frames {
+            self.master_free = self.master_free.max(now) + self.costs.prepare;
+            self.master.frames += self.costs.prepare;
+            let frame = self.begun;
+            self.begun += 1;
+            let replay = usize::from(self.flow.in_flight == 1 || self.begun == self.flow.frames);
+            let plan = &replays[replay].plan;
+            let dealer = Dealer::new(self.schedule.strategy, self.workers.len(), plan);
+            let first: Vec<_> = (0..self.workers.len()).map(|i| dealer.first(i, plan)).collect();
             let empty = Run { first: 0, end: 0, step: 1 };
-            self.lay(worker, false, run.or(stealing.then_some(empty)));
+            let ranges = match self.stealing() {
+                true => first.iter().map(|run| run.unwrap_or(empty)).collect(),
+                false => vec![],
+            };
+            self.flights.push_back(Flight { number: frame, replay, dealer, due: 0, done: 0, ranges });
+            for (worker, run) in first.into_iter().enumerate() {
+                // Who owns nothing may steal.
+                let run = if self.stealing() { Some(empty) } else { run };
+                self.lay(worker, false, run.map(|run| Task { frame, run }));
+            }
+            self.supply();
         }
-        for _ in 1..self.schedule.strategy.tasks_at_once() {
+    }
+
+    /// As many tasks as each may have: a first one to each, then a second one.
+    fn supply(&mut self) {
+        for have in 0..self.schedule.strategy.tasks_at_once() {
             for worker in 0..self.workers.len() {
-                let task = self.dealer.next(self.plan);
-                self.lay(worker, false, task);
+                if self.workers[worker].due <= have {
+                    let task = self.next_task();
+                    self.lay(worker, false, task);
+                }
             }
         }
     }
 
+    /// The next task of the oldest frame that has one left.
+    fn next_task(&mut self) -> Option<Task> {
+        let replays = self.replays;
+        self.flights.iter_mut().find_map(|flight| {
+            let run = flight.dealer.next(&replays[flight.replay].plan)?;
+            Some(Task { frame: flight.number, run })
+        })
+    }
+
+    fn flight(&mut self, frame: usize) -> Option<&mut Flight> {
+        self.flights.iter_mut().find(|flight| flight.number == frame)
+    }
+
     /// The master lays something on a worker's desk, and wakes it if it waits.
-    fn lay(&mut self, worker: usize, parcel: bool, task: Option<Run>) {
+    fn lay(&mut self, worker: usize, parcel: bool, task: Option<Task>) {
         let Costs { send, latency, .. } = *self.costs;
-        let desk = &mut self.workers[worker];
-        desk.parcels += usize::from(parcel);
-        if let Some(task) = task {
-            // A stealing worker's range can be stolen before it wakes.
-            match self.schedule.strategy {
-                Strategy::Stealing => desk.task = Some(task),
-                _ => desk.waiting.push_back(task),
-            }
+        if let Some(Task { frame, .. }) = task
+            && let Some(flight) = self.flight(frame)
+        {
+            flight.due += 1;
             self.tasks.count += 1;
         }
+        let desk = &mut self.workers[worker];
+        desk.parcels += usize::from(parcel);
+        desk.due += usize::from(task.is_some());
+        desk.waiting.extend(task);
         if !parcel && task.is_none() {
             return;
         }
@@ -196,18 +230,21 @@ impl<'a> Simulation<'a> {
             desk.waits = Some((now, true));
             return;
         }
-        let Some((place, now)) = self.take_tile(worker, now) else {
+        let Some((frame, place, now)) = self.take_tile(worker, now) else {
             self.post(worker, now, true);
             return;
         };
+        let stealing = self.stealing();
+        let Some(replay) = self.flight(frame).map(|flight| flight.replay) else { return };
+        let Replay { plan, seconds } = &self.replays[replay];
         let desk = &mut self.workers[worker];
-        let begin = now + std::mem::take(&mut desk.debt);
-        let end = begin + self.seconds[place];
+        let start = now + std::mem::take(&mut desk.debt);
+        let end = start + seconds[place] * self.costs.inflation;
         desk.filled.0 += 1;
-        desk.filled.1 += self.plan.tiles[place].len();
-        self.spans.push(Span { worker, tile: self.plan.tiles[place], start: begin, end });
+        desk.filled.1 += plan.tiles[place].len();
+        self.spans.push(Span { frame, worker, tile: plan.tiles[place], start, end });
         let end = end + self.costs.tile;
-        let last = desk.task.is_none_or(Run::is_empty) && self.schedule.strategy != Strategy::Stealing;
+        let last = desk.task.is_none_or(|task| task.run.is_empty()) && !stealing;
         if last || self.schedule.film == FilmMode::Messages {
             self.post(worker, end, last);
         } else {
@@ -215,28 +252,26 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// The next tile of the worker's task, of a stealing worker also of the largest other one, and the time when it has
-    /// it.
-    fn take_tile(&mut self, worker: usize, now: f64) -> Option<(usize, f64)> {
-        let own = self.workers[worker].task.as_mut()?;
-        if !own.is_empty() {
-            let place = own.first;
-            own.first += own.step;
-            return Some((place, now));
+    /// The next tile of the worker's task, of a stealing worker of its own range or the largest other one; with its frame,
+    /// and the time when the worker has it.
+    fn take_tile(&mut self, worker: usize, now: f64) -> Option<(usize, usize, f64)> {
+        let steal = self.costs.steal;
+        let task = self.workers[worker].task.as_mut()?;
+        let (frame, own) = (task.frame, &mut task.run);
+        if let Some(place) = take_first(own) {
+            return Some((frame, place, now));
         }
-        if self.schedule.strategy != Strategy::Stealing {
-            return None;
+        let ranges = &mut self.flight(frame)?.ranges;
+        if let Some(place) = take_first(ranges.get_mut(worker)?) {
+            return Some((frame, place, now));
         }
-        let rest = |i: usize, workers: &[Worker]| workers[i].task.map_or(0, Run::len);
-        let victim = (0..self.workers.len()).max_by_key(|&i| rest(i, &self.workers))?;
-        let rest = self.workers[victim].task.as_mut().filter(|rest| !rest.is_empty())?;
+        let rest = ranges.iter_mut().max_by_key(|range| range.len()).filter(|rest| !rest.is_empty())?;
         let half = rest.len().div_ceil(2);
-        let stolen = Run { first: rest.first + 1, end: rest.first + half, step: 1 };
-        let place = rest.first;
-        rest.first += half;
-        self.workers[worker].task = Some(stolen);
+        let (place, end) = (rest.first, rest.first + half);
+        rest.first = end;
+        ranges[worker] = Run { first: place + 1, end, step: 1 };
         self.workers[worker].steals += 1;
-        Some((place, now + self.costs.steal))
+        Some((frame, place, now + steal))
     }
 
     /// The worker sends its parcel and goes on.
@@ -244,6 +279,7 @@ impl<'a> Simulation<'a> {
         let desk = &mut self.workers[worker];
         let (tiles, pixels) = std::mem::take(&mut desk.filled);
         desk.parcels -= 1;
+        let Some(Task { frame, .. }) = desk.task else { return };
         if finished {
             desk.task = None;
         }
@@ -252,7 +288,7 @@ impl<'a> Simulation<'a> {
             if now >= self.master_free { (self.costs.send, self.costs.latency) } else { (0.0, 0.0) };
         let arrives = now + wakes + latency;
         self.reports.count += 1;
-        self.at(arrives, What::Arrive(Report { worker, tiles, pixels, finished }));
+        self.at(arrives, What::Arrive(Report { worker, frame, tiles, pixels, finished }));
         self.at(now + wakes, What::Look(worker));
     }
 
@@ -263,8 +299,15 @@ impl<'a> Simulation<'a> {
             work += report.pixels as f64 * 12.0 * self.costs.per_byte;
         }
         self.master_free = begin + work;
-        let next = if report.finished { self.dealer.next(self.plan) } else { None };
+        self.master.reports += work;
+        if let Some(flight) = self.flight(report.frame) {
+            flight.done += report.tiles;
+            flight.due -= usize::from(report.finished);
+        }
+        self.workers[report.worker].due -= usize::from(report.finished);
+        let next = if report.finished { self.next_task() } else { None };
         self.lay(report.worker, true, next);
+        self.begin_frames(self.master_free);
         if self.workers.len() >= self.costs.cores {
             self.take_from_a_worker(self.master_free - begin);
         }
@@ -280,7 +323,7 @@ impl<'a> Simulation<'a> {
     }
 
     fn stats(mut self) -> FrameStats {
-        self.spans.sort_by(|a, b| a.end.total_cmp(&b.end));
+        self.spans.sort_by(|a, b| a.frame.cmp(&b.frame).then(a.end.total_cmp(&b.end)));
         let worker = |worker: &Worker| WorkerStats {
             pinned: Pinned::Free,
             busy_seconds: 0.0,
@@ -289,11 +332,13 @@ impl<'a> Simulation<'a> {
             steals: worker.steals,
         };
         let mut stats = FrameStats {
+            frames: self.flow.frames,
             seconds: self.end,
             workers: self.workers.iter().map(worker).collect(),
             spans: self.spans,
             tasks: self.tasks,
             reports: self.reports,
+            master: self.master,
         };
         stats.sum_up(&self.pauses);
         stats

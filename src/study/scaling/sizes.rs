@@ -4,12 +4,12 @@
 //! long as the cheapest. So each size is told with that ratio; and with that of the dearest tile to the mean, since a
 //! cheapest tile that shows nothing but background makes the first one huge.
 
-use super::Costs;
 use super::measure::TileCosts;
+use super::{Costs, Flow, LONGEST_MEASURED, LONGEST_SIMULATED, ScalingOptions};
 use crate::{
     error::Result,
     math::median,
-    render::{RenderOptions, Stage},
+    render::Stage,
     scene::Scene,
     schedule::{Control, FrameStats, Machine, Placement},
     tile::Tile,
@@ -67,49 +67,58 @@ impl Size {
     }
 }
 
-/// Measures frames of every size in `sides` for 1 worker up to the machine's, and simulates more.
+/// Measures frames of every size in `sides` under the schedule of `options.render` for 1 worker up to the machine's, and
+/// simulates more.
 ///
 /// # Errors
-/// As [`Stage::new`] and [`crate::render::Session::frame`].
+/// As [`Stage::new`] and [`crate::render::Session::stream`].
 pub fn tile_sizes(
     scene: &Scene,
-    options: &RenderOptions,
+    options: &ScalingOptions,
     sides: &[u32],
-    workers: &[usize],
-    rounds: u32,
     costs: &Costs,
     control: &Control<'_>,
 ) -> Result<Vec<SizeRow>> {
-    let stage = Stage::new(scene, options)?;
-    let schedule = options.schedule;
+    let ScalingOptions { ref render, ref workers, rounds, flow, .. } = *options;
+    let stage = Stage::new(scene, render)?;
+    let schedule = render.schedule;
     let cores = Machine::get().default_workers();
     let mut alone: BTreeMap<u32, Vec<FrameStats>> = BTreeMap::new();
     let mut measured: BTreeMap<(u32, usize), Vec<f64>> = BTreeMap::new();
-    for _ in 0..rounds {
-        for &count in std::iter::once(&1).chain(workers.iter().filter(|&&n| n > 1 && n <= cores)) {
-            let placement = Placement::new(Machine::get(), Some(count), options.pin);
-            stage.with_session(&placement, |session| {
-                // The first frame of new threads does not count.
-                session.frame(schedule, &stage.tiles(64), control)?;
-                for &side in sides {
-                    let frame = session.frame(schedule, &stage.tiles(side), control)?;
-                    measured.entry((side, count)).or_default().push(frame.seconds);
+    let most = workers.iter().copied().filter(|&n| n <= cores).max().unwrap_or(1);
+    let placement = Placement::new(Machine::get(), Some(most), render.pin);
+    let counts: Vec<usize> =
+        std::iter::once(1).chain(workers.iter().copied().filter(|&n| n > 1 && n <= cores)).collect();
+    stage.with_session(&placement, |session| {
+        // The first frames of new threads do not count.
+        let Flow { frames, in_flight } = flow.of(most, LONGEST_MEASURED);
+        session.stream(schedule, &stage.tiles(64), frames, in_flight, control)?;
+        for round in 0..rounds as usize {
+            for &side in sides {
+                for &count in &counts {
+                    let first = if count == 1 { round % most } else { 0 };
+                    session.employ(first..first + count);
+                    let Flow { frames, in_flight } = flow.of(count, LONGEST_MEASURED);
+                    let stats = session.stream(schedule, &stage.tiles(side), frames, in_flight, control)?;
+                    measured.entry((side, count)).or_default().push(stats.per_frame());
                     if count == 1 {
-                        alone.entry(side).or_default().push(frame);
+                        alone.entry(side).or_default().push(stats);
                     }
                 }
-                Ok(())
-            })?;
+            }
         }
-    }
+        Ok(())
+    })?;
     let frames = |side: u32| alone.get(&side).map_or(&[][..], Vec::as_slice);
     let sizes: Vec<Size> = sides.iter().map(|&side| Size::new(&stage, side, frames(side))).collect();
     let mut rows = vec![];
     for &count in workers {
         for size in &sizes {
             let measured = measured.get(&(size.side, count));
-            let predicted =
-                || size.costs.simulate(schedule, count, &size.tiles, &costs.on_cores(count)).seconds;
+            let predicted = || {
+                let flow = flow.of(count, LONGEST_SIMULATED);
+                size.costs.simulate(schedule, count, flow, &size.tiles, &costs.on_cores(count)).per_frame()
+            };
             rows.push(SizeRow {
                 scene: scene.name.clone(),
                 side: size.side,

@@ -15,14 +15,33 @@ const FREE: Costs = Costs {
     switch: 0.0,
     per_byte: 0.0,
     cores: usize::MAX,
+    inflation: 1.0,
 };
 
 /// Every pixel costs one, in tiles of 4x4.
 fn frame(schedule: Schedule, workers: usize, side: u32, costs: &Costs) -> FrameStats {
+    stream(schedule, workers, Flow::ONE, side, costs)
+}
+
+fn stream(schedule: Schedule, workers: usize, flow: Flow, side: u32, costs: &Costs) -> FrameStats {
     let tiles = tiles(side, side, 4, Order::Hilbert);
-    let plan = Plan::new(schedule.strategy, workers, &tiles, &CostMap::default());
-    let seconds: Vec<f64> = plan.tiles.iter().map(|tile| tile.len() as f64).collect();
-    simulate(schedule, workers, &plan, &seconds, costs)
+    let replay = |end| {
+        let plan = Plan::new(schedule.strategy, workers, end, &tiles, &CostMap::default());
+        let seconds = plan.tiles.iter().map(|tile| tile.len() as f64).collect();
+        Replay { plan, seconds }
+    };
+    simulate(schedule, workers, flow, replay, costs)
+}
+
+/// A stream of tiles of 4x4 that cost so much, which are never cut.
+fn given(strategy: Strategy, workers: usize, flow: Flow, seconds: &[f64], costs: &Costs) -> FrameStats {
+    let side = seconds.len().isqrt() as u32 * 4;
+    let tiles = tiles(side, side, 4, Order::Hilbert);
+    let replay = |end| {
+        let plan = Plan::new(strategy, workers, end, &tiles, &CostMap::default());
+        Replay { plan, seconds: seconds.to_vec() }
+    };
+    simulate(Schedule { strategy, film: FilmMode::Shared }, workers, flow, replay, costs)
 }
 
 #[test]
@@ -58,13 +77,8 @@ fn where_nothing_costs_anything_equal_tiles_are_shared_evenly() {
 
 #[test]
 fn one_dear_tile_is_the_bound_that_stealing_reaches_and_static_does_not() {
-    let tiles = tiles(64, 64, 4, Order::Hilbert);
     let seconds: Vec<f64> = (0..256).map(|i| if i < 64 { 4.0 } else { 1.0 }).collect();
-    let time = |strategy| {
-        let schedule = Schedule { strategy, film: FilmMode::Shared };
-        let plan = Plan::new(strategy, 4, &tiles, &CostMap::default());
-        simulate(schedule, 4, &plan, &seconds, &FREE).seconds
-    };
+    let time = |strategy| given(strategy, 4, Flow::ONE, &seconds, &FREE).seconds;
     // 448 in all; the first quarter of them takes 256.
     assert!((time(Strategy::Static) - 256.0).abs() < 1e-6);
     assert!(time(Strategy::Stealing) <= 112.0 + 4.0);
@@ -141,11 +155,54 @@ fn by_hand_a_master_without_a_core_takes_that_of_its_worker() {
 
 #[test]
 fn a_steal_takes_its_time() {
-    let tiles = tiles(64, 64, 4, Order::Hilbert);
     let seconds: Vec<f64> = (0..256).map(|i| if i < 128 { 4.0 } else { 1.0 }).collect();
-    let schedule = Schedule { strategy: Strategy::Stealing, film: FilmMode::Shared };
-    let plan = Plan::new(schedule.strategy, 2, &tiles, &CostMap::default());
-    let run = |steal| simulate(schedule, 2, &plan, &seconds, &Costs { steal, ..FREE });
+    let run = |steal| given(Strategy::Stealing, 2, Flow::ONE, &seconds, &Costs { steal, ..FREE });
     assert!(run(0.0).workers.iter().any(|worker| worker.steals > 0));
     assert!(run(2.0).seconds > run(0.0).seconds);
+}
+
+#[test]
+fn every_frame_of_a_stream_is_whole_and_not_too_many_are_in_flight() {
+    let costs = Costs { latency: 0.3, send: 0.1, collect: 0.2, steal: 0.1, prepare: 1.0, cores: 1, ..FREE };
+    for schedule in Schedule::all() {
+        for workers in [1, 2, 7, 300] {
+            for (frames, in_flight) in [(1, 3), (5, 1), (5, 2), (4, 3)] {
+                let stats = stream(schedule, workers, Flow { frames, in_flight }, 32, &costs);
+                assert_eq!(
+                    (stats.frames, stats.spans.len()),
+                    (frames, frames * 64),
+                    "{schedule:?} {workers}"
+                );
+                let of = |frame: usize| stats.spans.iter().filter(move |span| span.frame == frame);
+                let end = |frame| of(frame).fold(0.0f64, |end, span| end.max(span.end));
+                for frame in 0..frames {
+                    let mut tiles: Vec<Tile> = of(frame).map(|span| span.tile).collect();
+                    tiles.sort_by_key(|tile| (tile.y, tile.x));
+                    tiles.dedup();
+                    assert_eq!(tiles.len(), 64, "{schedule:?} {workers}");
+                    let open = |earlier: &usize| of(frame).all(|span| span.start >= end(*earlier) - 1e-9);
+                    assert!((0..frame.saturating_sub(in_flight - 1)).all(|earlier| open(&earlier)));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn with_frames_in_flight_nobody_waits_at_their_ends() {
+    // One tile takes as long as all others together: 64 tiles, 63 and 63.
+    let seconds: Vec<f64> = (0..64).map(|i| if i == 63 { 63.0 } else { 1.0 }).collect();
+    let time =
+        |in_flight| given(Strategy::Dynamic, 2, Flow { frames: 8, in_flight }, &seconds, &FREE).per_frame();
+    // By hand: two share the 63 small tiles, 31.5 each on average; then one of them has the large one for itself.
+    assert!((time(1) - (31.0 + 63.0)).abs() < 1.01, "{}", time(1));
+    assert!(time(2) < 63.0 + 63.0 / 8.0 + 2.0, "{}", time(2));
+}
+
+#[test]
+fn inflation_is_in_every_tile_and_nowhere_else() {
+    let costs = Costs { latency: 2.0, ..FREE };
+    let schedule = Schedule { strategy: Strategy::NonBlocking, film: FilmMode::Shared };
+    let seconds = frame(schedule, 1, 16, &costs.inflated(1.5)).seconds;
+    assert!((seconds - (2.0 + 1.5 * 256.0 + 2.0)).abs() < 1e-6, "{seconds}");
 }

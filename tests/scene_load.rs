@@ -1,7 +1,9 @@
 //! Loading scenes: what each kind of bad input gives, and where everything is looked for.
 
 mod description;
+mod effects;
 mod mesh;
+mod pictures;
 
 use crate::support::Random;
 use glam::Vec3;
@@ -211,14 +213,18 @@ fn mutate(random: &mut Random, text: &str) -> Vec<u8> {
 
 #[test]
 fn random_damage_never_panics() {
-    let obj = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0.5 2\nvn 0 0 1\no a\nusemtl m\nf 1//1 2//1 3//1\n\
+    let obj = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0.5 2\nvt 0 0\nvt 1 1\nvn 0 0 1\no a\nusemtl m\nf 1//1 2//1 3//1\n\
                g b\nf 1/2/1 2 -1 3\nusemtl n\nf 3 \\\n 2 1\n";
-    let mtl = "newmtl m\nKd 0.5\nKs 1 1 1\nNs 10\nd 0.5\nTr 0.5\nillum 2\nnewmtl n\nKe 1 2 3\nmap_Kd a.png\n";
+    let mtl = "newmtl m\nKd 0.5\nKs 1 1 1\nNs 10\nd 0.5\nTr 0.5\nillum 2\nnewmtl n\nKe 1 2 3\nmap_Kd -s 2 2 a.png\n";
     let toml = "size = [4, 4]\nambient = 0.1\n[[mesh]]\nfile = \"m.obj\"\nscale = [1, 2, 3]\nrotate = [1, 2, 3]\n\
-                [camera]\neye = [0, 0, 5]\nat = [0, 0, 0]\nfov = 45\n[[material]]\nname = \"m\"\nd = 0.5\n\
+                [camera]\neye = [0, 0, 5]\nat = [0, 0, 0]\nfov = 45\n[[material]]\nname = \"m\"\nd = 0.5\nmap_d = \"a.png\"\n\
+                [settings]\nsamples = 2\n[environment]\nmap = \"a.png\"\n\
                 [[light]]\nkind = \"spot\"\nposition = [1, 2, 3]\ndirection = [0, 0, 1]\ninner = 1\nouter = 20\n";
     let files = [("m.obj", obj), ("m.mtl", mtl), ("s.toml", toml)];
     let folders = files.map(|_| folder(&files));
+    for folder in &folders {
+        pictures::png(&folder.path().join("a.png"), [1, 1], image::ExtendedColorType::L8, &[9]);
+    }
     good(load_path(&folders[0].path().join("s.toml")));
     let mut random = Random(11);
     let mut loaded = [0; 3];

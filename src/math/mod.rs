@@ -1,11 +1,13 @@
-//! Small mathematics that several modules share: bounds, colour, random numbers, medians.
+//! Small mathematics that several modules share: bounds, colour, logarithms, random numbers, medians.
 
 mod aabb;
 mod color;
 mod hash;
+mod log;
 mod median;
 
 pub use aabb::Aabb;
-pub use color::linear_to_srgb8;
+pub use color::{linear_to_srgb8, srgb8_to_linear};
 pub use hash::hash_unit;
+pub use log::log2;
 pub use median::median;

@@ -10,6 +10,9 @@ mod png;
 pub use atomic::{PendingFile, discard_pending};
 pub use npy::{read_rays, write_blocked, write_hits};
 
+// By these names, because `png` and `exr` are crates, too.
+use self::exr::write as write_exr;
+use self::png::write as write_png;
 use crate::error::{Error, Result};
 use crate::film::Film;
 use std::path::Path;
@@ -75,8 +78,8 @@ impl OutputFile {
     pub fn write(self, film: &Film, exposure: f32) -> Result<()> {
         let format = self.format;
         self.file.complete(|file| match format {
-            Format::Png => png::write(file, film, exposure),
-            Format::Exr => exr::write(file, film),
+            Format::Png => write_png(file, film, exposure),
+            Format::Exr => write_exr(file, film),
             Format::Hdr => hdr::write(file, film),
             Format::Pfm => pfm::write(file, film),
         })

@@ -1,7 +1,7 @@
 //! What a scene holds, counted: the figures of `irt inspect`.
 
 use super::{
-    Falloff, Light, Scene, TriangleMesh,
+    AreaLight, Falloff, Light, Scene, Sky, TriangleMesh,
     tally::{DEGENERATE, total},
 };
 use std::collections::HashSet;
@@ -29,8 +29,14 @@ pub struct SceneReport {
     pub parts: Vec<Share>,
     /// Materials, with the triangles that have them.
     pub materials: Vec<Share>,
-    /// Lights, in order.
+    /// Textures, in order.
+    pub textures: Vec<TextureReport>,
+    /// Lights without extent in order, then those with one.
     pub lights: Vec<LightReport>,
+    /// What surrounds the scene: `background`, `gradient` or `map`.
+    pub sky: &'static str,
+    /// It lights the scene.
+    pub sky_light: bool,
     /// The camera.
     pub camera: CameraReport,
     /// What was repaired, dropped or ignored while loading.
@@ -49,15 +55,21 @@ pub struct Share {
 /// A light; what its kind does not have is left out.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct LightReport {
-    /// `point`, `directional` or `spot`.
+    /// `point`, `directional`, `spot`, `rectangle` or `sphere`.
     pub kind: &'static str,
-    /// Where it is.
+    /// Where it is: its place, middle or corner.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position: Option<[f32; 3]>,
     /// Where its light travels to.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub direction: Option<[f32; 3]>,
-    /// Linear colour times strength.
+    /// Edges of a rectangle, from the corner.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub edges: Option<[[f32; 3]; 2]>,
+    /// Radius of a sphere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub radius: Option<f32>,
+    /// Linear colour times strength; of lights with an extent, their radiance.
     pub intensity: [f32; 3],
     /// `none` or `inverse-square`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -65,6 +77,17 @@ pub struct LightReport {
     /// Half angles of the inner and the whole cone, degrees.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cone_deg: Option<[f32; 2]>,
+}
+
+/// A texture.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct TextureReport {
+    /// Its name, mostly that of its file.
+    pub name: String,
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// Memory of all its versions.
+    pub bytes: usize,
 }
 
 /// The camera.
@@ -100,7 +123,17 @@ impl Scene {
             bounds_max: bounds.max.to_array(),
             parts: self.mesh.parts.iter().map(|part| share(&part.name, part.count as usize)).collect(),
             materials: self.materials.iter().zip(by_material).map(|(m, n)| share(&m.name, n)).collect(),
-            lights: self.lights.iter().map(LightReport::new).collect(),
+            textures: self.textures.iter().map(TextureReport::new).collect(),
+            lights: {
+                let with_extent = self.area_lights.iter().map(LightReport::with_extent);
+                self.lights.iter().map(LightReport::new).chain(with_extent).collect()
+            },
+            sky: match self.environment.sky {
+                Sky::Background => "background",
+                Sky::Gradient { .. } => "gradient",
+                Sky::Map(_) => "map",
+            },
+            sky_light: self.environment.light,
             camera: CameraReport {
                 eye: self.camera.eye.to_array(),
                 at: self.camera.at.to_array(),
@@ -112,32 +145,60 @@ impl Scene {
     }
 }
 
+impl TextureReport {
+    fn new(of: &super::Texture) -> TextureReport {
+        TextureReport { name: of.name.clone(), size: of.size(), bytes: of.bytes() }
+    }
+}
+
 impl LightReport {
+    const DARK: LightReport = LightReport {
+        kind: "point",
+        position: None,
+        direction: None,
+        edges: None,
+        radius: None,
+        intensity: [0.0; 3],
+        falloff: None,
+        cone_deg: None,
+    };
+
+    fn with_extent(light: &AreaLight) -> LightReport {
+        match *light {
+            AreaLight::Rectangle { corner, edge_u, edge_v, radiance, two_sided: _ } => LightReport {
+                kind: "rectangle",
+                position: Some(corner.to_array()),
+                edges: Some([edge_u.to_array(), edge_v.to_array()]),
+                intensity: radiance.to_array(),
+                ..LightReport::DARK
+            },
+            AreaLight::Sphere { center, radius, radiance } => LightReport {
+                kind: "sphere",
+                position: Some(center.to_array()),
+                radius: Some(radius),
+                intensity: radiance.to_array(),
+                ..LightReport::DARK
+            },
+        }
+    }
+
     fn new(light: &Light) -> LightReport {
         let name = |falloff| match falloff {
             Falloff::None => "none",
             Falloff::InverseSquare => "inverse-square",
-        };
-        let dark = LightReport {
-            kind: "point",
-            position: None,
-            direction: None,
-            intensity: [0.0; 3],
-            falloff: None,
-            cone_deg: None,
         };
         match *light {
             Light::Point { position, intensity, falloff } => LightReport {
                 position: Some(position.to_array()),
                 intensity: intensity.to_array(),
                 falloff: Some(name(falloff)),
-                ..dark
+                ..LightReport::DARK
             },
             Light::Directional { direction, intensity } => LightReport {
                 kind: "directional",
                 direction: Some(direction.to_array()),
                 intensity: intensity.to_array(),
-                ..dark
+                ..LightReport::DARK
             },
             Light::Spot { position, direction, intensity, falloff, inner, outer } => LightReport {
                 kind: "spot",
@@ -146,6 +207,7 @@ impl LightReport {
                 intensity: intensity.to_array(),
                 falloff: Some(name(falloff)),
                 cone_deg: Some([inner.to_degrees(), outer.to_degrees()]),
+                ..LightReport::DARK
             },
         }
     }

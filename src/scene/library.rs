@@ -86,15 +86,13 @@ impl Library {
 }
 
 impl MeshPlace {
-    /// The file, or what to do about its absence in one sentence; `scene` is the description that names it.
-    pub(super) fn require(self) -> Result<PathBuf, (String, String)> {
+    /// The file, or that the `kind` of it is absent, and what to do about that.
+    pub(super) fn require(self, kind: &str, remedy: &str) -> Result<PathBuf, (String, String)> {
         let MeshPlace { file, found, searched } = self;
         found.ok_or_else(|| {
             let folders: Vec<String> = searched.iter().map(|folder| folder.display().to_string()).collect();
-            (
-                format!("mesh `{file}` was not found in {}", folders.join(", ")),
-                format!("scenes/README.md says where to get it; set {SCENES_VARIABLE} to its folder"),
-            )
+            let file = file.escape_debug();
+            (format!("{kind} `{file}` was not found in {}", folders.join(", ")), remedy.into())
         })
     }
 }

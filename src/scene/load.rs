@@ -1,14 +1,12 @@
 //! From what a user types to a scene.
 
 use super::{
-    Scene, TriangleMesh, description, framing,
+    CameraDescription, Scene, description, framing,
     library::{Described, Library, has_extension},
     obj, procedural,
+    texture::Textures,
 };
-use crate::{
-    error::{Error, Result},
-    scene::{CameraDescription, Light, Material},
-};
+use crate::error::{Error, Result};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 
@@ -118,39 +116,34 @@ fn parse_detail(spec: &str, detail: &str) -> Result<f32> {
 
 /// A mesh without a scene file: [`framing`] gives it a camera and lights.
 fn bare(path: &Path) -> Result<Scene> {
-    let mut model = obj::read(path)?;
+    let mut textures = Textures::default();
+    let mut model = obj::read(path, &mut textures)?;
     model.drop_degenerate(path);
     let obj::Model { mesh, materials, warnings } = model;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    finish(path, name, mesh, materials, warnings, None, Vec::new(), Vec3::ZERO)
+    let textures = textures.all;
+    finish(path, Scene { name, mesh, materials, textures, warnings, ..Scene::default() }, None)
 }
 
 /// What all readers end with: where there is no camera, or no light at all, [`framing`] gives one.
-pub(super) fn finish(
-    path: &Path,
-    name: String,
-    mesh: TriangleMesh,
-    materials: Vec<Material>,
-    warnings: Vec<String>,
-    camera: Option<CameraDescription>,
-    mut lights: Vec<Light>,
-    ambient: Vec3,
-) -> Result<Scene> {
-    if mesh.is_empty() {
+pub(super) fn finish(path: &Path, mut scene: Scene, camera: Option<CameraDescription>) -> Result<Scene> {
+    if scene.mesh.is_empty() {
         return Err(Error::file(path, "holds only triangles of zero area", "check its vertices and scale"));
     }
-    let bounds = mesh.bounds();
-    if lights.is_empty() && ambient == Vec3::ZERO {
-        lights = framing::lights(&bounds);
+    let bounds = scene.mesh.bounds();
+    if !is_lit(&scene) {
+        scene.lights = framing::lights(&bounds);
     }
-    Ok(Scene {
-        name,
-        camera: camera.unwrap_or_else(|| framing::camera(&bounds)),
-        mesh,
-        materials,
-        lights,
-        ambient,
-        warnings,
-        ..Scene::default()
-    })
+    scene.camera = camera.unwrap_or_else(|| framing::camera(&bounds));
+    Ok(scene)
+}
+
+/// True if there is any source of light, bright or not.
+fn is_lit(scene: &Scene) -> bool {
+    let emits = |&material: &u32| scene.materials[material as usize].ke != Vec3::ZERO;
+    !scene.lights.is_empty()
+        || !scene.area_lights.is_empty()
+        || scene.ambient != Vec3::ZERO
+        || scene.environment.light
+        || scene.settings.emitters && scene.mesh.materials.iter().any(emits)
 }

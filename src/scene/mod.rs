@@ -16,6 +16,7 @@ mod load;
 mod material;
 mod mesh;
 mod obj;
+mod picture;
 pub mod procedural;
 mod settings;
 mod tally;
@@ -24,7 +25,7 @@ mod texture;
 
 pub use effect::{Effect, EffectSet};
 pub use environment::{Environment, Sky, SkyMap};
-pub use inspect::{CameraReport, LightReport, SceneReport, Share};
+pub use inspect::{CameraReport, LightReport, SceneReport, Share, TextureReport};
 pub use library::{Described, Library, MeshPlace, SCENES_VARIABLE};
 pub use light::{AreaLight, Falloff, Light};
 pub use load::{described, load};

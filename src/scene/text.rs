@@ -3,20 +3,25 @@
 use crate::error::{Error, Result};
 use std::{fs, path::Path};
 
-/// The whole of a text file. Anything but a regular file is refused (a device or pipe might never end), and so is a
-/// file with zero bytes in it, which is binary or in a 16-bit encoding.
-pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+/// The whole of a file, or what is wrong with it and what to do. Anything but a regular file is refused: a device or
+/// pipe might never end.
+pub(super) fn read_binary(path: &Path) -> std::result::Result<Vec<u8>, (String, &'static str)> {
     let unreadable = |e: std::io::Error| {
         let remedy = match e.kind() {
             std::io::ErrorKind::NotFound => "check the path",
             _ => "make it a readable file",
         };
-        Error::file(path, format!("cannot be read ({e})"), remedy)
+        (format!("cannot be read ({e})"), remedy)
     };
     if !fs::metadata(path).map_err(unreadable)?.is_file() {
-        return Err(Error::file(path, "is not a regular file", "give the path of a file"));
+        return Err(("is not a regular file".into(), "give the path of a file"));
     }
-    let bytes = fs::read(path).map_err(unreadable)?;
+    fs::read(path).map_err(unreadable)
+}
+
+/// The whole of a text file. A file with zero bytes in it, which is binary or in a 16-bit encoding, is refused.
+pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+    let bytes = read_binary(path).map_err(|(what, remedy)| Error::file(path, what, remedy))?;
     match bytes.iter().position(|&byte| byte == 0) {
         None => Ok(bytes),
         Some(at) => {

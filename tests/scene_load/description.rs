@@ -201,3 +201,18 @@ fn the_example_in_the_readme_is_a_scene() {
     assert_eq!((scene.lights.len(), scene.materials.len()), (3, 1));
     assert_eq!(scene.warnings, [""; 0]);
 }
+
+#[test]
+fn the_example_of_effects_in_the_readme_is_a_scene() {
+    let readme = std::fs::read_to_string("scenes/README.md").expect("scenes/README.md");
+    let example =
+        readme.split("```").filter_map(|block| block.strip_prefix("toml\n")).nth(1).expect("a block");
+    let mesh =
+        format!("mtllib demo.mtl\n{TRIANGLE}vt 0 0\nusemtl wall\nf 1/1 2/1 3/1\nusemtl glass\nf 1 2 3\n");
+    let folder = folder(&[("demo.obj", &mesh), ("demo.mtl", "newmtl wall\nnewmtl glass\n")]);
+    super::pictures::png(&folder.path().join("demo.png"), [1, 1], image::ExtendedColorType::Rgb8, &[9, 9, 9]);
+    let scene = good(load_path(&write(&folder, "s.toml", example.as_bytes())));
+    assert_eq!((scene.area_lights.len(), scene.textures.len(), scene.materials.len()), (2, 4, 2));
+    assert_eq!((scene.settings.bounces, scene.settings.without.len()), (2, 1));
+    assert_eq!(scene.warnings, [""; 0]);
+}

@@ -120,7 +120,7 @@ fn materials_come_from_all_files_with_all_their_values() {
          usemtl grey#1\nf 1 2 3\nusemtl glass ball\nf 2 3 1\nusemtl spaced\nf 3 1 2\n"
     );
     let a = "Kd 1 1 1\nnewmtl grey#1 # comment\nKd 0.8\nKs .1 .2 .3\nNs 50\nKe 1 2 3\nKa 0.5\nNi 1.5\nd 0.25\nillum 7\n";
-    let b = "newmtl glass ball\nKd spectral x.rfl\nTr 0.75\nmap_Kd -s 2 2 1 t.png\nPr 0.5\nillum 99\nNs -3\nNi 0\n\
+    let b = "newmtl glass ball\nKd spectral x.rfl\nTr 0.75\nmap_Ns -s 2 2 1 t.png\nPs 0.5\nillum 99\nNs -3\nNi 0\n\
              newmtl twice\nd 1\nTr 1\nnewmtl grey#1\nKd 0 0 0\nd -halo 0.5\n";
     let files = [("a.mtl", a), ("b.mtl", b), ("with space.mtl", "newmtl spaced\nKd 1.5 -1 \\\n 0\n")];
     let scene = good(obj(&text, &files));
@@ -138,8 +138,8 @@ fn materials_come_from_all_files_with_all_their_values() {
     for warning in [
         "a.mtl: statements before the first `newmtl` ignored: 1 (first in line 1)",
         "b.mtl: colours given as `spectral` or `xyz` ignored: 1 (first in line 2)",
-        "b.mtl: textures ignored: 1 (first in line 4)",
-        "b.mtl: unsupported statement `Pr` ignored: 1 (first in line 5)",
+        "b.mtl: textures of unsupported kinds ignored: 1 (first in line 4)",
+        "b.mtl: unsupported statement `Ps` ignored: 1 (first in line 5)",
         "b.mtl: values of `illum` out of range brought into it: 1 (first in line 6)",
         "b.mtl: values of `Ns` out of range brought into it: 1 (first in line 7)",
         "b.mtl: values of `Ni` out of range brought into it: 1 (first in line 8)",

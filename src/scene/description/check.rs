@@ -1,10 +1,11 @@
 //! From what a scene file says to values that are certainly usable.
 
 use super::{
-    Change, Description, MeshUse,
+    Description, MeshUse, light, material,
     place::Placement,
-    schema::{Camera, Falloff, File, Light, LightKind, Material, Mesh},
+    schema::{Camera, File, Mesh},
     source::Source,
+    surroundings,
 };
 use crate::{
     error::Result,
@@ -30,8 +31,16 @@ pub(super) fn check(source: &Source<'_>, file: File) -> Result<Description> {
         ambient: color("ambient", &file.ambient)?,
         camera: file.camera.map(|value| camera(source, &value)).transpose()?,
         meshes: file.mesh.into_iter().map(|value| mesh(source, value)).collect::<Result<_>>()?,
-        changes: file.material.iter().map(|value| change(source, value)).collect::<Result<_>>()?,
-        lights: file.light.iter().map(|value| light(source, value)).collect::<Result<_>>()?,
+        changes: file
+            .material
+            .into_iter()
+            .map(|value| material::change(source, value))
+            .collect::<Result<_>>()?,
+        lights: file.light.iter().map(|value| light::check(source, value)).collect::<Result<_>>()?,
+        environment: surroundings::environment(source, file.environment)?,
+        settings: file.settings.map_or(Ok(scene::RenderSettings::default()), |settings| {
+            surroundings::settings(source, &settings)
+        })?,
     })
 }
 
@@ -82,112 +91,4 @@ fn mesh(source: &Source<'_>, mesh: Mesh) -> Result<MeshUse> {
     }
     source.check("file", &mesh.file, !mesh.file.get_ref().is_empty(), "must not be empty")?;
     Ok(MeshUse { file: mesh.file, name: mesh.name, material: mesh.material, placement })
-}
-
-fn change(source: &Source<'_>, value: &Spanned<Material>) -> Result<Change> {
-    let from = value.get_ref();
-    let reflectance =
-        |key, value: &Option<_>| value.as_ref().map(|value| source.reflectance(key, value)).transpose();
-    let number = |key, value: &Option<_>, valid: fn(f32) -> bool, rule| {
-        value.as_ref().map(|value| source.within(key, value, valid, rule)).transpose()
-    };
-    let illum = from.illum.as_ref().map(|illum| {
-        let valid = (0..=10).contains(illum.get_ref());
-        source.check("illum", illum, valid, "must be in 0 to 10").map(|()| *illum.get_ref() as u8)
-    });
-    source.check("name", &from.name, !from.name.get_ref().is_empty(), "must not be empty")?;
-    Ok(Change {
-        name: from.name.get_ref().clone(),
-        ka: reflectance("ka", &from.ka)?,
-        kd: reflectance("kd", &from.kd)?,
-        ks: reflectance("ks", &from.ks)?,
-        ke: from.ke.as_ref().map(|ke| source.color("ke", ke)).transpose()?,
-        ns: number("ns", &from.ns, |ns| ns >= 0.0, "must not be negative")?,
-        ni: number("ni", &from.ni, |ni| ni > 0.0, "must be positive")?,
-        d: number("d", &from.d, |d| (0.0..=1.0).contains(&d), "must be in 0 to 1")?,
-        illum: illum.transpose()?,
-    })
-}
-
-fn light(source: &Source<'_>, value: &Spanned<Light>) -> Result<scene::Light> {
-    let light = value.get_ref();
-    let missing = |key: &str, of: &str| {
-        source.error(value.span(), format!("a {of} light needs `{key}`"), format!("add `{key} = ...`"))
-    };
-    let color = light.color.as_ref().map_or(Ok(Vec3::ONE), |color| source.color("color", color))?;
-    let strength = light.intensity.as_ref().map_or(Ok(1.0), |intensity| {
-        source.within("intensity", intensity, |i| i >= 0.0, "must not be negative")
-    })?;
-    let intensity = color * strength;
-    if !intensity.is_finite() {
-        return Err(source.error(
-            value.span(),
-            "`color` times `intensity` is too great",
-            "lower one of them",
-        ));
-    }
-    let falloff = match light.falloff.as_ref().map(Spanned::get_ref) {
-        None | Some(Falloff::None) => scene::Falloff::None,
-        Some(Falloff::InverseSquare) => scene::Falloff::InverseSquare,
-    };
-    let position = |of: &str| match &light.position {
-        Some(position) => source.vector("position", position),
-        None => Err(missing("position", of)),
-    };
-    let direction = |of: &str| match &light.direction {
-        Some(direction) => source.direction("direction", direction),
-        None => Err(missing("direction", of)),
-    };
-    only_of_its_kind(source, light)?;
-    Ok(match light.kind {
-        LightKind::Point => scene::Light::Point { position: position("point")?, intensity, falloff },
-        LightKind::Directional => {
-            scene::Light::Directional { direction: direction("directional")?, intensity }
-        }
-        LightKind::Spot => {
-            let (position, direction) = (position("spot")?, direction("spot")?);
-            let outer = light.outer.as_ref().ok_or_else(|| missing("outer", "spot"))?;
-            let (inner, outer) = cone(source, light.inner.as_ref(), outer)?;
-            scene::Light::Spot { position, direction, intensity, falloff, inner, outer }
-        }
-    })
-}
-
-/// Half angles of a spot light in radians.
-fn cone(source: &Source<'_>, inner: Option<&Spanned<f64>>, outer: &Spanned<f64>) -> Result<(f32, f32)> {
-    let valid = |angle: f32| angle > 0.0 && angle <= 90.0;
-    let outer_angle = source.within("outer", outer, valid, "must be above 0 and at most 90 degrees")?;
-    let inner_angle = match inner {
-        None => 0.0,
-        Some(inner) => {
-            let valid = |angle: f32| angle >= 0.0 && angle < outer_angle;
-            source.within("inner", inner, valid, "must be at least 0 degrees and below `outer`")?
-        }
-    };
-    Ok((inner_angle.to_radians(), outer_angle.to_radians()))
-}
-
-/// A key that a kind of light does not know would silently do nothing: an error instead.
-fn only_of_its_kind(source: &Source<'_>, light: &Light) -> Result<()> {
-    let unfit = |span: Option<std::ops::Range<usize>>, key: &str, of: &str| match span {
-        None => Ok(()),
-        Some(span) => {
-            let what = format!("a {of} light has no `{key}`");
-            Err(source.error(span, what, "remove the key or change `kind`"))
-        }
-    };
-    match light.kind {
-        LightKind::Point => {
-            unfit(light.direction.as_ref().map(Spanned::span), "direction", "point")?;
-            unfit(light.inner.as_ref().map(Spanned::span), "inner", "point")?;
-            unfit(light.outer.as_ref().map(Spanned::span), "outer", "point")
-        }
-        LightKind::Directional => {
-            unfit(light.position.as_ref().map(Spanned::span), "position", "directional")?;
-            unfit(light.falloff.as_ref().map(Spanned::span), "falloff", "directional")?;
-            unfit(light.inner.as_ref().map(Spanned::span), "inner", "directional")?;
-            unfit(light.outer.as_ref().map(Spanned::span), "outer", "directional")
-        }
-        LightKind::Spot => Ok(()),
-    }
 }

@@ -1,25 +1,31 @@
 //! Scene files in TOML: meshes and where they stand, materials, lights, camera. `scenes/README.md` lists all keys.
 
 mod check;
+mod light;
+mod material;
 mod place;
 mod schema;
 mod source;
+mod surroundings;
 
 use super::{
-    CameraDescription, Light, MAX_COORDINATE, Material, Part, Scene, TriangleMesh,
-    library::{Library, MeshPlace},
+    CameraDescription, MAX_COORDINATE, Part, RenderSettings, Scene, TriangleMesh,
+    library::{Library, MeshPlace, SCENES_VARIABLE},
     load::finish,
     obj,
     text::read_utf8,
+    texture::Textures,
 };
 use crate::error::Result;
 use glam::{Vec2, Vec3};
+use light::AnyLight;
+use material::{Change, Reader};
 use place::Placement;
 use source::Source;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
-/// A scene file, checked, without the meshes it names.
+/// A scene file, checked, without the meshes and pictures it names.
 pub(super) struct Description {
     path: PathBuf,
     text: String,
@@ -30,7 +36,9 @@ pub(super) struct Description {
     camera: Option<CameraDescription>,
     meshes: Vec<MeshUse>,
     changes: Vec<Change>,
-    lights: Vec<Light>,
+    lights: Vec<AnyLight>,
+    environment: surroundings::Unread,
+    settings: RenderSettings,
 }
 
 /// A mesh file and what to do with it.
@@ -39,19 +47,6 @@ struct MeshUse {
     name: Option<String>,
     material: Option<Spanned<String>>,
     placement: Placement,
-}
-
-/// New values for the materials of a name.
-struct Change {
-    name: String,
-    ka: Option<Vec3>,
-    kd: Option<Vec3>,
-    ks: Option<Vec3>,
-    ke: Option<Vec3>,
-    ns: Option<f32>,
-    ni: Option<f32>,
-    d: Option<f32>,
-    illum: Option<u8>,
 }
 
 /// Reads and checks a scene file.
@@ -72,19 +67,22 @@ impl Description {
         self.meshes.iter().map(|mesh| library.locate(folder, mesh.file.get_ref())).collect()
     }
 
-    /// Reads the meshes and puts everything together.
+    /// Reads the meshes and pictures and puts everything together.
     pub(super) fn load(self, library: &Library) -> Result<Scene> {
         let source = Source { path: &self.path, text: &self.text };
         let (mut mesh, mut materials, mut warnings) = (TriangleMesh::default(), Vec::new(), Vec::new());
-        let mut files = Vec::new();
+        let (mut files, mut textures) = (Vec::new(), Textures::default());
         // All of them, before the first is read: reading may take long.
         for (wanted, place) in self.meshes.iter().zip(self.places(library)) {
-            let found = place.require();
+            let remedy =
+                format!("scenes/README.md says where to get it; set {SCENES_VARIABLE} to its folder");
+            let found = place.require("mesh", &remedy);
             files.push(found.map_err(|(what, remedy)| source.error(wanted.file.span(), what, remedy))?);
         }
         let mut painted = Vec::new();
         for (wanted, file) in self.meshes.iter().zip(&files) {
-            let mut model = obj::read(file)?;
+            let mut model = obj::read(file, &mut textures)?;
+            wanted.placement.apply_to_bumps(&mut model.materials);
             if !wanted.placement.apply(&mut model.mesh) {
                 let what = format!("it is moved beyond the range of coordinates, {MAX_COORDINATE:e}");
                 return Err(source.error(wanted.file.span(), what, "use smaller ones"));
@@ -100,8 +98,10 @@ impl Description {
             materials.append(&mut model.materials);
         }
         let added = materials.len();
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let mut reader = Reader { source: &source, library, folder, textures: &mut textures };
         for change in &self.changes {
-            change.apply(&mut materials);
+            change.apply(&mut materials, &mut reader)?;
         }
         for (triangles, name) in painted {
             let index =
@@ -117,11 +117,31 @@ impl Description {
                 warnings.push(format!("{}: no mesh has or uses material `{name}`: 1", self.path.display()));
             }
         }
+        let environment = self.environment.read(&source, library, folder, &mut warnings)?;
         let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
         let name = self.name.unwrap_or_else(|| stem.into_owned());
-        let Description { size, background, ambient, camera, lights, .. } = self;
-        let scene = finish(&self.path, name, mesh, materials, warnings, camera, lights, ambient)?;
-        Ok(Scene { size, background, ..scene })
+        let Description { size, background, ambient, camera, settings, .. } = self;
+        let textures = textures.all;
+        let mut scene = Scene {
+            name,
+            mesh,
+            materials,
+            textures,
+            environment,
+            settings,
+            ambient,
+            background,
+            size,
+            warnings,
+            ..Scene::default()
+        };
+        for light in self.lights {
+            match light {
+                AnyLight::Point(light) => scene.lights.push(light),
+                AnyLight::Area(light) => scene.area_lights.push(light),
+            }
+        }
+        finish(&self.path, scene, camera)
     }
 }
 
@@ -147,24 +167,4 @@ fn append(mesh: &mut TriangleMesh, model: TriangleMesh, name: Option<&str>, firs
         first: first_triangle + part.first,
         count: part.count,
     }));
-}
-
-impl Change {
-    /// Changes all materials of that name, or adds one.
-    fn apply(&self, materials: &mut Vec<Material>) {
-        if !materials.iter().any(|material| material.name == self.name) {
-            materials.push(Material { name: self.name.clone(), ..Material::default() });
-        }
-        for material in materials.iter_mut().filter(|material| material.name == self.name) {
-            let Change { name: _, ka, kd, ks, ke, ns, ni, d, illum } = *self;
-            material.ka = ka.unwrap_or(material.ka);
-            material.kd = kd.unwrap_or(material.kd);
-            material.ks = ks.unwrap_or(material.ks);
-            material.ke = ke.unwrap_or(material.ke);
-            material.ns = ns.unwrap_or(material.ns);
-            material.ni = ni.unwrap_or(material.ni);
-            material.d = d.unwrap_or(material.d);
-            material.illum = illum.unwrap_or(material.illum);
-        }
-    }
 }

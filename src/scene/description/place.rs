@@ -1,6 +1,6 @@
 //! Putting a mesh in its place: scale, then rotation about x, y and z, then translation.
 
-use crate::scene::{MAX_COORDINATE, TriangleMesh};
+use crate::scene::{BumpKind, MAX_COORDINATE, Material, TriangleMesh};
 use glam::{DMat3, DVec3, Vec3};
 
 /// Where a scene file puts a mesh.
@@ -43,6 +43,17 @@ impl Placement {
         }
         // False for NaN, too.
         mesh.positions.iter().all(|position| position.abs().cmple(Vec3::splat(MAX_COORDINATE)).all())
+    }
+}
+
+impl Placement {
+    /// Hills grow with the mesh, by the mean of the factors.
+    pub(super) fn apply_to_bumps(&self, materials: &mut [Material]) {
+        let factor = self.scale.iter().product::<f64>().abs().cbrt() as f32;
+        let bumps = materials.iter_mut().filter_map(|material| material.bump.as_mut());
+        for bump in bumps.filter(|bump| bump.kind == BumpKind::Height) {
+            bump.strength *= factor;
+        }
     }
 }
 

@@ -3,8 +3,13 @@
 //! Every value keeps its place in the file, so that whatever is found wrong with it later can be named by line and
 //! column. Keys that are not listed here are errors.
 
-use serde::{Deserialize, Deserializer, de};
-use std::fmt;
+mod map;
+mod triple;
+
+pub(super) use map::{Map, Wrap};
+pub(super) use triple::Triple;
+
+use serde::Deserialize;
 use toml::Spanned;
 
 /// A whole file.
@@ -29,6 +34,10 @@ pub(super) struct File {
     /// Lights, in order.
     #[serde(default)]
     pub(super) light: Vec<Spanned<Light>>,
+    /// What surrounds the scene; the background alone if missing.
+    pub(super) environment: Option<Spanned<Environment>>,
+    /// How far light is followed.
+    pub(super) settings: Option<Settings>,
 }
 
 /// `[camera]`
@@ -76,6 +85,16 @@ pub(super) struct Material {
     pub(super) ni: Option<Spanned<f64>>,
     pub(super) d: Option<Spanned<f64>>,
     pub(super) illum: Option<Spanned<i64>>,
+    pub(super) tf: Option<Spanned<Triple>>,
+    /// Per unit of the scene.
+    pub(super) absorption: Option<Spanned<Triple>>,
+    /// 0 is a perfect mirror.
+    pub(super) roughness: Option<Spanned<f64>>,
+    pub(super) map_kd: Option<Map>,
+    pub(super) map_d: Option<Map>,
+    pub(super) map_ke: Option<Map>,
+    pub(super) map_bump: Option<Map>,
+    pub(super) norm: Option<Map>,
 }
 
 /// `[[light]]`: which keys are needed, and which make no sense, depends on the kind.
@@ -95,6 +114,60 @@ pub(super) struct Light {
     pub(super) inner: Option<Spanned<f64>>,
     /// Half angle of the whole cone, degrees.
     pub(super) outer: Option<Spanned<f64>>,
+    pub(super) corner: Option<Spanned<[f64; 3]>>,
+    pub(super) edge_u: Option<Spanned<[f64; 3]>>,
+    pub(super) edge_v: Option<Spanned<[f64; 3]>>,
+    pub(super) two_sided: Option<Spanned<bool>>,
+    pub(super) radius: Option<Spanned<f64>>,
+}
+
+/// `[environment]`: a picture, a gradient, or nothing but whether the background lights.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Environment {
+    /// Picture file, as a mesh is found.
+    pub(super) map: Option<Spanned<String>>,
+    /// Degrees about +y.
+    pub(super) rotation: Option<Spanned<f64>>,
+    /// Factor of the picture.
+    pub(super) strength: Option<Spanned<f64>>,
+    pub(super) zenith: Option<Spanned<Triple>>,
+    pub(super) horizon: Option<Spanned<Triple>>,
+    pub(super) ground: Option<Spanned<Triple>>,
+    /// Lights surfaces; true if missing.
+    pub(super) light: Option<bool>,
+}
+
+/// `[settings]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Settings {
+    pub(super) samples: Option<Spanned<i64>>,
+    pub(super) light_samples: Option<Spanned<i64>>,
+    pub(super) bounces: Option<Spanned<i64>>,
+    pub(super) max_depth: Option<Spanned<i64>>,
+    pub(super) cutoff: Option<Spanned<f64>>,
+    pub(super) emitters: Option<bool>,
+    pub(super) smooth_terminator: Option<bool>,
+    pub(super) ambient_occlusion: Option<AmbientOcclusion>,
+    pub(super) depth_of_field: Option<DepthOfField>,
+    /// Names of effects to leave out.
+    #[serde(default)]
+    pub(super) without: Vec<Spanned<String>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AmbientOcclusion {
+    pub(super) radius: Spanned<f64>,
+    pub(super) samples: Option<Spanned<i64>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DepthOfField {
+    pub(super) aperture: Spanned<f64>,
+    pub(super) focus: Spanned<f64>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -103,6 +176,8 @@ pub(super) enum LightKind {
     Point,
     Directional,
     Spot,
+    Rectangle,
+    Sphere,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -110,43 +185,4 @@ pub(super) enum LightKind {
 pub(super) enum Falloff {
     None,
     InverseSquare,
-}
-
-/// Three numbers, or one that stands for three equal ones.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Triple(pub(super) [f64; 3]);
-
-impl<'de> Deserialize<'de> for Triple {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Triple, D::Error> {
-        deserializer.deserialize_any(TripleVisitor)
-    }
-}
-
-struct TripleVisitor;
-
-impl<'de> de::Visitor<'de> for TripleVisitor {
-    type Value = Triple;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a number or an array of three numbers")
-    }
-
-    fn visit_f64<E: de::Error>(self, value: f64) -> Result<Triple, E> {
-        Ok(Triple([value; 3]))
-    }
-
-    fn visit_i64<E: de::Error>(self, value: i64) -> Result<Triple, E> {
-        Ok(Triple([value as f64; 3]))
-    }
-
-    fn visit_seq<A: de::SeqAccess<'de>>(self, mut seq: A) -> Result<Triple, A::Error> {
-        let mut values = [0.0; 3];
-        for (index, value) in values.iter_mut().enumerate() {
-            *value = seq.next_element()?.ok_or_else(|| de::Error::invalid_length(index, &self))?;
-        }
-        match seq.next_element::<f64>()? {
-            None => Ok(Triple(values)),
-            Some(_) => Err(de::Error::invalid_length(4, &self)),
-        }
-    }
 }

@@ -1,9 +1,9 @@
 //! Checks an OBJ file line by line and rewrites it so that tobj cannot trip over it.
 //!
 //! tobj gives no line numbers, refuses comments after a statement, accepts NaN, and loses the normals of a mesh in
-//! which only some corners have one. What it gets from here has none of that: positions, then normals with
-//! zero ("none") as the first, then faces with absolute indices `p//n`, grouped by `o` statements whose names are
-//! indices into [`Cleaned::sections`].
+//! which only some corners have one. What it gets from here has none of that: positions, texture coordinates and
+//! normals with zero ("none") as the first, then faces with absolute indices `p/t/n`, grouped by `o` statements whose
+//! names are indices into [`Cleaned::sections`].
 
 use super::lines::{Statement, for_each_statement};
 use crate::{
@@ -24,12 +24,14 @@ pub(super) struct Section {
 /// An OBJ file that tobj reads without error.
 #[derive(Default)]
 pub(super) struct Cleaned {
-    /// Its `v` and `vn` lines.
+    /// Its `v`, `vt` and `vn` lines.
     pub(super) vertices: Vec<u8>,
     /// Its `o` and `f` lines.
     pub(super) faces: Vec<u8>,
     /// What the names in `faces` stand for.
     pub(super) sections: Vec<Section>,
+    /// A corner has texture coordinates.
+    pub(super) textured: bool,
     /// What follows each `mtllib`, with its line.
     pub(super) libraries: Vec<(String, usize)>,
 }
@@ -39,10 +41,11 @@ pub(super) fn clean(path: &Path, text: &str, tally: &mut Tally) -> Result<Cleane
     let mut cleaner = Cleaner {
         path,
         tally,
-        out: Cleaned { vertices: b"vn 0 0 0\n".to_vec(), ..Cleaned::default() },
+        out: Cleaned { vertices: b"vt 0 0\nvn 0 0 0\n".to_vec(), ..Cleaned::default() },
         current: Section::default(),
         fresh: true,
         positions: Counter::default(),
+        coordinates: Counter::default(),
         normals: Counter::default(),
         face_count: 0,
     };
@@ -82,6 +85,7 @@ struct Cleaner<'a> {
     /// `current` was not written since it changed.
     fresh: bool,
     positions: Counter,
+    coordinates: Counter,
     normals: Counter,
     face_count: usize,
 }
@@ -94,6 +98,7 @@ impl Cleaner<'_> {
     fn statement(&mut self, &Statement { line, keyword, rest }: &Statement<'_>) -> Result<()> {
         match keyword {
             "v" => self.position(line, rest),
+            "vt" => self.coordinates(line, rest),
             "vn" => self.normal(line, rest),
             // `fo` is a face in files from before 1992.
             "f" | "fo" => self.face(line, rest),
@@ -115,8 +120,8 @@ impl Cleaner<'_> {
                 self.out.libraries.push((rest.into(), line));
                 Ok(())
             }
-            // There are no textures to look up, and what smoothing groups ask for is given by normals.
-            "vt" | "s" => Ok(()),
+            // What smoothing groups ask for is given by normals.
+            "s" => Ok(()),
             "p" | "l" => {
                 self.tally.at(line, "points and lines dropped");
                 Ok(())
@@ -183,18 +188,42 @@ impl Cleaner<'_> {
         Ok(())
     }
 
-    fn normal(&mut self, line: usize, rest: &str) -> Result<()> {
+    /// The first `N` of the numbers in `rest`, finite or not; where there are fewer than `needed`, `complaint`.
+    fn numbers<const N: usize>(
+        &self,
+        line: usize,
+        rest: &str,
+        needed: usize,
+        complaint: &str,
+    ) -> Result<[f32; N]> {
+        let mut numbers = [0.0; N];
         let mut words = rest.split_whitespace();
-        let mut xyz = [0.0f32; 3];
-        for c in &mut xyz {
-            let Some(word) = words.next() else {
-                return self.error(line, "a normal needs three components", "complete the line");
-            };
-            let Ok(value) = word.parse() else {
-                return self.error(line, format!("`{word}` is not a number"), "correct the line");
-            };
-            *c = value;
+        for (i, number) in numbers.iter_mut().enumerate() {
+            match words.next().map(|word| (word, word.parse())) {
+                Some((_, Ok(value))) => *number = value,
+                Some((word, Err(_))) => {
+                    return self.error(line, format!("`{word}` is not a number"), "correct the line");
+                }
+                None if i < needed => return self.error(line, complaint, "complete the line"),
+                None => {}
+            }
         }
+        Ok(numbers)
+    }
+
+    fn coordinates(&mut self, line: usize, rest: &str) -> Result<()> {
+        let mut uv: [f32; 2] = self.numbers(line, rest, 1, "a texture coordinate needs a number")?;
+        if uv.iter().any(|c| !c.is_finite()) {
+            self.tally.at(line, "texture coordinates that are not finite (0 used)");
+            uv = [0.0; 2];
+        }
+        let _ = writeln!(self.out.vertices, "vt {} {}", uv[0], uv[1]);
+        self.coordinates.count += 1;
+        Ok(())
+    }
+
+    fn normal(&mut self, line: usize, rest: &str) -> Result<()> {
+        let mut xyz: [f32; 3] = self.numbers(line, rest, 3, "a normal needs three components")?;
         if xyz.iter().any(|c| !c.is_finite()) {
             self.tally.at(line, "normals that are not finite (flat shading there)");
             xyz = [0.0; 3];
@@ -219,49 +248,55 @@ impl Cleaner<'_> {
         }
         self.out.faces.push(b'f');
         for corner in rest.split_whitespace() {
-            let (position, normal) = self.corner(line, corner)?;
-            let _ = write!(self.out.faces, " {position}//{normal}");
+            let [position, coordinates, normal] = self.corner(line, corner)?;
+            let _ = write!(self.out.faces, " {position}/{coordinates}/{normal}");
         }
         self.out.faces.push(b'\n');
         self.face_count += 1;
         Ok(())
     }
 
-    /// Absolute indices, from 1, of a corner `p`, `p/t`, `p//n` or `p/t/n`; normal 1 is "none".
-    fn corner(&mut self, line: usize, corner: &str) -> Result<(usize, usize)> {
+    /// Absolute indices, from 1, of a corner `p`, `p/t`, `p//n` or `p/t/n`; 1 is "none" but for the position.
+    fn corner(&mut self, line: usize, corner: &str) -> Result<[usize; 3]> {
         let mut fields = corner.split('/');
         let mut index = |required: bool| match fields.next() {
             None | Some("") if !required => Ok(None),
             field => field.unwrap_or_default().parse::<i64>().map(Some),
         };
         let parsed = (index(true), index(false), index(false), fields.next());
-        let (Ok(Some(position)), Ok(_), Ok(normal), None) = parsed else {
+        let (Ok(Some(position)), Ok(coordinates), Ok(normal), None) = parsed else {
             return self.error(
                 line,
                 format!("`{corner}` is not a face corner"),
                 "write it as `v`, `v/vt`, `v//vn` or `v/vt/vn`",
             );
         };
-        let Some(position) = self.positions.resolve(position, line) else {
-            return self.out_of_range(line, position, "vertex", self.positions.count);
+        self.out.textured |= coordinates.is_some();
+        let resolve = |counter: &mut Counter, index: i64, of: &str| {
+            let count = counter.count;
+            counter.resolve(index, line).ok_or_else(|| {
+                let what = format!("{of} index {index} is out of range, there are {count} so far");
+                Error::line(self.path, line, what, "indices count from 1, or from -1 backwards")
+            })
+        };
+        let position = resolve(&mut self.positions, position, "vertex")?;
+        let coordinates = match coordinates {
+            None => 1,
+            Some(index) => 1 + resolve(&mut self.coordinates, index, "texture coordinate")?,
         };
         let normal = match normal {
             None => 1,
-            Some(index) => match self.normals.resolve(index, line) {
-                Some(normal) => normal + 1,
-                None => return self.out_of_range(line, index, "normal", self.normals.count),
-            },
+            Some(index) => 1 + resolve(&mut self.normals, index, "normal")?,
         };
-        Ok((position, normal))
-    }
-
-    fn out_of_range<T>(&self, line: usize, index: impl ToString, of: &str, count: usize) -> Result<T> {
-        let what = format!("{of} index {} is out of range, there are {count} so far", index.to_string());
-        self.error(line, what, "indices count from 1, or from -1 backwards")
+        Ok([position, coordinates, normal])
     }
 
     fn finish(mut self) -> Result<Cleaned> {
-        for (counter, of) in [(&self.positions, "vertex"), (&self.normals, "normal")] {
+        for (counter, of) in [
+            (&self.positions, "vertex"),
+            (&self.coordinates, "texture coordinate"),
+            (&self.normals, "normal"),
+        ] {
             if counter.greatest > counter.count {
                 let what = format!(
                     "{of} index {} is out of range, the file has {}",

@@ -3,24 +3,29 @@
 //! ```text
 //!   OBJ --clean: checked, normalised--> tobj --> polygons --triangulate--> Model
 //!   MTL --mtl: checked, normalised----> tobj --> materials -----------------^
+//!     `--maps: texture statements--> picture files --> textures ------------'
 //! ```
 //!
 //! A file that cannot mean anything is an error that names the line. What can be repaired, dropped or ignored without
 //! guessing is counted in the warnings. Vertices stay exactly what the file says, rounded once to f32.
 
+mod bump;
 mod clean;
 mod lines;
+mod maps;
 mod mtl;
 mod polygon;
 
 use super::{
-    Material, Part, TriangleMesh, area,
+    Bump, BumpKind, Material, Part, TriangleMesh, area,
     tally::{DEGENERATE, Tally},
     text::read_lossy,
+    texture::Textures,
 };
 use crate::error::{Error, Result};
 use clean::{Cleaned, Section, clean};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
+use maps::{MapStatement, Slot};
 use std::{
     collections::{HashMap, HashSet},
     io::Read,
@@ -50,9 +55,9 @@ impl Model {
 /// Reads an OBJ file and the MTL files it names.
 ///
 /// # Errors
-/// [`Error::Line`] for a line that cannot be understood, [`Error::File`] for a file that cannot be read or holds no
-/// face.
-pub(super) fn read(path: &Path) -> Result<Model> {
+/// [`Error::Line`] for a line that cannot be understood or names a texture that cannot be used, [`Error::File`] for a
+/// file that cannot be read or holds no face.
+pub(super) fn read(path: &Path, textures: &mut Textures) -> Result<Model> {
     let text = read_lossy(path)?;
     let mut tally = Tally::new(path.display());
     let cleaned = clean(path, &text, &mut tally)?;
@@ -60,10 +65,11 @@ pub(super) fn read(path: &Path) -> Result<Model> {
     let mut warnings = Vec::new();
     let mut materials = Materials::default();
     for library in libraries(path, &cleaned, &mut tally) {
-        materials.read(&library, &mut warnings)?;
+        materials.read(&library, textures, &mut warnings)?;
     }
     let assigned = materials.assign(&cleaned.sections, &mut tally);
     let mesh = assemble(path, cleaned, &assigned, &mut tally)?;
+    bump::settle(&mesh, &mut materials.all, &textures.all);
     warnings.splice(0..0, tally.sentences());
     Ok(Model { mesh, materials: materials.all, warnings })
 }
@@ -71,12 +77,7 @@ pub(super) fn read(path: &Path) -> Result<Model> {
 /// The MTL files that exist, each once. `mtllib` may name several, and a name may hold spaces.
 fn libraries(path: &Path, cleaned: &Cleaned, tally: &mut Tally) -> Vec<PathBuf> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let find = |name: &str| {
-        let name = PathBuf::from(name.trim_matches('"').replace('\\', "/"));
-        // Absolute paths from another machine: the file is usually beside the OBJ.
-        let beside = folder.join(name.file_name().unwrap_or_default());
-        [folder.join(&name), beside].into_iter().find(|candidate| candidate.is_file())
-    };
+    let find = |name: &str| find(folder, name);
     let mut found = Vec::new();
     for (names, line) in &cleaned.libraries {
         if let Some(file) = find(names) {
@@ -98,6 +99,45 @@ fn libraries(path: &Path, cleaned: &Cleaned, tally: &mut Tally) -> Vec<PathBuf> 
     found
 }
 
+/// A file that another one in `folder` names.
+fn find(folder: &Path, name: &str) -> Option<PathBuf> {
+    let name = PathBuf::from(name.trim_matches('"').replace('\\', "/"));
+    // Absolute paths from another machine: the file is usually beside the one that names it.
+    let beside = folder.join(name.file_name().unwrap_or_default());
+    [folder.join(&name), beside].into_iter().find(|candidate| candidate.is_file())
+}
+
+/// Reads the textures of a material of the MTL file `path`.
+fn read_maps(
+    path: &Path,
+    material: &mut Material,
+    maps: &[MapStatement],
+    textures: &mut Textures,
+) -> Result<()> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    for map in maps {
+        let name = map.file.escape_debug();
+        let file = find(folder, &map.file).ok_or_else(|| {
+            let what = format!("texture `{name}` was not found in {}", folder.join("").display());
+            Error::line(path, map.line, what, "put it there or remove the statement")
+        })?;
+        let texture = textures.read(&file, map.slot.role(), map.mapping).map_err(|fault| {
+            Error::line(path, map.line, format!("texture `{name}` {}", fault.what), fault.remedy)
+        })?;
+        let bump = |kind| Some(Bump { texture, kind, strength: map.multiplier });
+        match map.slot {
+            Slot::Diffuse => material.map_kd = Some(texture),
+            Slot::Opacity => material.map_d = Some(texture),
+            Slot::Emission => material.map_ke = Some(texture),
+            // Normals say more than heights.
+            Slot::Height if material.bump.is_none() => material.bump = bump(BumpKind::Height),
+            Slot::Height => {}
+            Slot::Normal => material.bump = bump(BumpKind::Normal),
+        }
+    }
+    Ok(())
+}
+
 #[derive(Default)]
 struct Materials {
     all: Vec<Material>,
@@ -106,13 +146,14 @@ struct Materials {
 
 impl Materials {
     /// Adds the materials of an MTL file; where a name is defined again, the first definition counts.
-    fn read(&mut self, path: &Path, warnings: &mut Vec<String>) -> Result<()> {
+    fn read(&mut self, path: &Path, textures: &mut Textures, warnings: &mut Vec<String>) -> Result<()> {
         let mut tally = Tally::new(path.display());
-        for material in mtl::read(path, &read_lossy(path)?, &mut tally)? {
+        for mtl::Unread { mut material, maps } in mtl::read(path, &read_lossy(path)?, &mut tally)? {
             if self.by_name.contains_key(&material.name) {
                 let name = material.name.escape_debug();
                 tally.add(1, &format!("further definitions of material `{name}` ignored"));
             } else {
+                read_maps(path, &mut material, &maps, textures)?;
                 self.add(material);
             }
         }
@@ -154,7 +195,7 @@ impl Materials {
 
 /// Lets tobj read the cleaned file and makes one mesh of the models it gives, one per section.
 fn assemble(path: &Path, cleaned: Cleaned, materials: &[u32], tally: &mut Tally) -> Result<TriangleMesh> {
-    let Cleaned { vertices, faces, sections, .. } = cleaned;
+    let Cleaned { vertices, faces, sections, textured, .. } = cleaned;
     let options = tobj::LoadOptions { single_index: true, ..tobj::LoadOptions::default() };
     let no_materials = |_: &Path| Ok((Vec::new(), Default::default()));
     let (models, _) = tobj::load_obj_buf(&mut vertices.chain(&faces[..]), &options, no_materials)
@@ -182,6 +223,9 @@ fn assemble(path: &Path, cleaned: Cleaned, materials: &[u32], tally: &mut Tally)
     if !smooth {
         mesh.normals.clear();
     }
+    if !textured {
+        mesh.uvs.clear();
+    }
     Ok(mesh)
 }
 
@@ -190,6 +234,7 @@ fn append(mesh: &mut TriangleMesh, from: &tobj::Mesh, name: &str, material: u32,
     let first = mesh.positions.len() as u32;
     let first_triangle = mesh.len() as u32;
     mesh.positions.extend(from.positions.chunks_exact(3).map(Vec3::from_slice));
+    mesh.uvs.extend(from.texcoords.chunks_exact(2).map(Vec2::from_slice));
     // In f64, so that no finite normal is too long or too short to be normalised.
     mesh.normals.extend(
         from.normals.chunks_exact(3).map(|n| Vec3::from_slice(n).as_dvec3().normalize_or_zero().as_vec3()),

@@ -303,7 +303,7 @@ impl<const TINTED: bool> Kernel for AddLight<'_, TINTED> {
             let mut color = load3(s, &surfaces.color, at);
             for k in 0..3 {
                 let mut reflected = kd[k] * diffuse + ks[k] * glossy;
-                if let Some(tint) = tint.filter(|_| TINTED) {
+                if TINTED && let Some(tint) = tint {
                     reflected = reflected * F32::load_at(s, &tint[k], at);
                 }
                 color[k] = color[k] + F32::splat(s, light.intensity[k]) * reflected;

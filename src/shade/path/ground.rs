@@ -101,7 +101,8 @@ impl<const POINT: bool, const BULGE: bool> Kernel for Stand<'_, POINT, BULGE> {
             let ng = load3(s, &surfaces.ng, at);
             let side = one.flip(wide::dot(ng, wide::load(s, &raw)).sign());
             side.store_at(&mut ground.side, at);
-            let corners = [0, 1, 2].map(|i| wide::load(s, &corners[i]));
+            let [ca, cb, cc] = &corners;
+            let corners = [wide::load(s, ca), wide::load(s, cb), wide::load(s, cc)];
             let b = [F32::load_at(s, &ground.b[0], at), F32::load_at(s, &ground.b[1], at)];
             let footing = Footing::new(s, &corners, b);
             let behind = [-ng[0], -ng[1], -ng[2]];
@@ -114,7 +115,13 @@ impl<const POINT: bool, const BULGE: bool> Kernel for Stand<'_, POINT, BULGE> {
                 }
             }
             if BULGE {
-                let normals = [0, 1, 2].map(|i| wide::load(s, &normals[i]).map(|x| x.flip(side.sign())));
+                let [na, nb, nc] = &normals;
+                let turned = side.sign();
+                let normals = [
+                    wide::flip(wide::load(s, na), turned),
+                    wide::flip(wide::load(s, nb), turned),
+                    wide::flip(wide::load(s, nc), turned),
+                ];
                 let by = bulge(s, &corners, &normals, &ng, &footing.point, b);
                 let moved = footing.moved(s, &by);
                 store3(moved.point, &mut ground.end, at);

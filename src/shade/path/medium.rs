@@ -49,9 +49,9 @@ impl Kernel for Absorb<'_> {
                 }
             }
             if any {
-                let left = wide::load(s, &depth).map(|x| decay(s, x));
+                let depth = wide::load(s, &depth);
                 for k in 0..3 {
-                    (F32::load_at(s, &weight[k], at) * left[k]).store_at(&mut weight[k], at);
+                    (F32::load_at(s, &weight[k], at) * decay(s, depth[k])).store_at(&mut weight[k], at);
                 }
             }
         }

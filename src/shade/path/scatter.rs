@@ -10,7 +10,7 @@ use super::{
     wide::{self, V3},
 };
 use crate::{
-    kernels::{F32, Kernel, MISS, SUB, Simd},
+    kernels::{F32, Kernel, MISS, Mask, SUB, Simd},
     shade::{Surfaces, surface::Planes, trig::sin_cos},
 };
 
@@ -63,7 +63,8 @@ impl<const GLOSSY: bool, const CLEAR: bool> Kernel for Scatter<'_, GLOSSY, CLEAR
         let (zero, one) = (F32::<S, 16>::splat(s, 0.0), F32::<S, 16>::splat(s, 1.0));
         for at in (0..surfaces.len()).step_by(SUB) {
             let lot = lot(table, surfaces, at);
-            let [view, ns, ng] = [&surfaces.view, &surfaces.ns, &surfaces.ng].map(|of| load3(s, of, at));
+            let (view, ns) = (load3(s, &surfaces.view, at), load3(s, &surfaces.ns, at));
+            let (ng, none) = (load3(s, &surfaces.ng, at), [zero; 3]);
             let mut h = ns;
             let mut gain = one;
             if GLOSSY {
@@ -71,7 +72,7 @@ impl<const GLOSSY: bool, const CLEAR: bool> Kernel for Scatter<'_, GLOSSY, CLEAR
                 let square = [F32::load_at(s, &squares[0], at), F32::load_at(s, &squares[1], at)];
                 let micro = visible_normal(s, ns, view, alpha, square);
                 let rough = zero.lt(alpha);
-                h = [0, 1, 2].map(|k| rough.select(micro[k], ns[k]));
+                h = wide::select(rough, micro, ns);
                 gain = rough.select(masking(s, ns, view, h, alpha), one);
             }
             let cosine = wide::dot(h, view).max(zero).min(one);
@@ -98,12 +99,13 @@ impl<const GLOSSY: bool, const CLEAR: bool> Kernel for Scatter<'_, GLOSSY, CLEAR
             let reflected = reflection(s, view, h, ng, zero.lt(F32::load(s, &lot.alpha)).bits());
             let up = zero.lt(wide::dot(reflected, ng));
             store3(reflected, &mut out.reflected, at);
-            store3(reflectance.map(|r| up.select(r, zero)), &mut out.reflectance, at);
+            store3(wide::select(up, reflectance, none), &mut out.reflectance, at);
             if CLEAR {
                 let refracted = refraction(s, view, ns, ng, eta);
                 let down = wide::dot(refracted, ng).lt(zero);
                 store3(refracted, &mut out.refracted, at);
-                store3(through.map(|t| down.select(t * transmitted, zero)), &mut out.transmittance, at);
+                let transmittance = wide::select(down, wide::scale(through, transmitted), none);
+                store3(transmittance, &mut out.transmittance, at);
             }
         }
     }
@@ -143,32 +145,33 @@ fn fresnel<S: Simd>(s: S, cosine: F32<S, 16>, inner: F32<S, 16>, eta: F32<S, 16>
 /// The mirrored view about `h`; where that leads below the triangle of a smooth surface, about its own normal.
 #[inline(always)]
 fn reflection<S: Simd>(s: S, view: V3<S>, h: V3<S>, ng: V3<S>, rough: u32) -> V3<S> {
-    let about = |n: V3<S>| {
-        let twice = wide::dot(n, view);
-        wide::sub(wide::scale(n, twice + twice), view)
-    };
-    let first = about(h);
+    let first = mirrored(view, h);
     let below = wide::dot(first, ng).le(F32::splat(s, 0.0)).bits() & !rough;
-    if below == 0 {
-        return wide::normalize(s, first);
-    }
-    let below = crate::kernels::Mask::from_bits(s, below);
-    let flat = about(ng);
-    wide::normalize(s, [0, 1, 2].map(|k| below.select(flat[k], first[k])))
+    let below = Mask::from_bits(s, below);
+    wide::normalize(s, wide::select(below, mirrored(view, ng), first))
+}
+
+#[inline(always)]
+fn mirrored<S: Simd>(view: V3<S>, n: V3<S>) -> V3<S> {
+    let cosine = wide::dot(n, view);
+    wide::sub(wide::scale(n, cosine + cosine), view)
 }
 
 /// The refracted direction about the shading normal; where that leads above the triangle, about its own.
 #[inline(always)]
 fn refraction<S: Simd>(s: S, view: V3<S>, ns: V3<S>, ng: V3<S>, eta: F32<S, 16>) -> V3<S> {
+    let (first, flat) = (bent(s, view, ns, eta), bent(s, view, ng, eta));
+    let below = wide::dot(first, ng).lt(F32::splat(s, 0.0));
+    wide::normalize(s, wide::select(below, first, flat))
+}
+
+/// Snell's law about `n`.
+#[inline(always)]
+fn bent<S: Simd>(s: S, view: V3<S>, n: V3<S>, eta: F32<S, 16>) -> V3<S> {
     let (zero, one) = (F32::splat(s, 0.0), F32::splat(s, 1.0));
-    let about = |n: V3<S>| {
-        let cosine = wide::dot(n, view);
-        let inner = (one - eta * eta * (one - cosine * cosine)).max(zero).sqrt();
-        wide::sub(wide::scale(n, eta * cosine - inner), wide::scale(view, eta))
-    };
-    let (first, flat) = (about(ns), about(ng));
-    let below = wide::dot(first, ng).lt(zero);
-    wide::normalize(s, [0, 1, 2].map(|k| below.select(first[k], flat[k])))
+    let cosine = wide::dot(n, view);
+    let inner = (one - eta * eta * (one - cosine * cosine)).max(zero).sqrt();
+    wide::sub(wide::scale(n, eta * cosine - inner), wide::scale(view, eta))
 }
 
 /// A normal of the rough surface that is seen from `view`.
@@ -199,17 +202,20 @@ fn visible_normal<S: Simd>(
 /// Smith's masking-shadowing over masking: what a sampled reflection counts.
 #[inline(always)]
 fn masking<S: Simd>(s: S, ns: V3<S>, view: V3<S>, h: V3<S>, alpha: F32<S, 16>) -> F32<S, 16> {
-    let (zero, one, half) = (F32::splat(s, 0.0), F32::splat(s, 1.0), F32::splat(s, 0.5));
-    let twice = wide::dot(h, view);
-    let out = wide::sub(wide::scale(h, twice + twice), view);
-    let lambda = |cosine: F32<S, 16>| {
-        let c2 = (cosine * cosine).max(F32::splat(s, 1.0e-12));
-        let tan2 = (one - c2).max(zero) / c2;
-        half * ((one + alpha * alpha * tan2).sqrt() - one)
-    };
+    let (zero, one) = (F32::splat(s, 0.0), F32::splat(s, 1.0));
+    let out = mirrored(view, h);
     let (n_out, n_view) = (wide::dot(ns, out), wide::dot(ns, view).max(zero));
-    let (a, b) = (lambda(n_view), lambda(n_out));
+    let (a, b) = (lambda(s, n_view, alpha), lambda(s, n_out, alpha));
     zero.lt(n_out).select((one + a) / (one + a + b), zero)
+}
+
+/// Smith's function of the height-correlated masking of GGX.
+#[inline(always)]
+fn lambda<S: Simd>(s: S, cosine: F32<S, 16>, alpha: F32<S, 16>) -> F32<S, 16> {
+    let (zero, one, half) = (F32::splat(s, 0.0), F32::splat(s, 1.0), F32::splat(s, 0.5));
+    let c2 = (cosine * cosine).max(F32::splat(s, 1.0e-12));
+    let tan2 = (one - c2).max(zero) / c2;
+    half * ((one + alpha * alpha * tan2).sqrt() - one)
 }
 
 /// Directions of diffuse reflection.
@@ -228,7 +234,7 @@ impl Kernel for Bounce<'_> {
             let dir = cosine_weighted(s, self.surfaces, self.squares, at);
             // Below the triangle there is nothing: no ray.
             let up = F32::splat(s, 0.0).lt(wide::dot(dir, load3(s, &self.surfaces.ng, at)));
-            store3(dir.map(|x| up.select(x, F32::splat(s, 0.0))), self.dir, at);
+            store3(wide::select(up, dir, [F32::splat(s, 0.0); 3]), self.dir, at);
         }
     }
 }

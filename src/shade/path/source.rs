@@ -132,7 +132,7 @@ fn on_plane<S: Simd>(s: S, from: V3<S>, at: V3<S>, normal: V3<S>, value: V3<S>, 
     let square = wide::dot(d, d);
     let cosine = wide::dot(normal, d) / square.sqrt();
     // The normal on the surface's side.
-    let normal = normal.map(|x| x.flip(cosine.sign()));
+    let normal = wide::flip(normal, cosine.sign());
     let cosine = if two_sided { cosine.abs() } else { cosine };
     let factor = cosine / square * F32::splat(s, FRAC_1_PI);
     Point { at, normal, value: wide::scale(value, factor), valid: F32::splat(s, 0.0).lt(factor) }
@@ -241,7 +241,9 @@ impl<const LAMBERT: bool> Kernel for Arrive<'_, LAMBERT> {
             let lit = Mask::from_bits(s, u32::from(lit));
             let mut light = load3(s, arriving, at);
             if let Some(tint) = tint {
-                light = [0, 1, 2].map(|k| light[k] * F32::load_at(s, &tint[k], at));
+                for k in 0..3 {
+                    light[k] = light[k] * F32::load_at(s, &tint[k], at);
+                }
             }
             let kd = load3(s, &surfaces.kd, at);
             let mut reflected = kd;
@@ -252,7 +254,10 @@ impl<const LAMBERT: bool> Kernel for Arrive<'_, LAMBERT> {
                 let ks = load3(s, &surfaces.ks, at);
                 let lobe = crate::shade::direct::highlight(s, surfaces, at, l, n);
                 let lobe = zero.lt(cosine).select(lobe, zero);
-                let factor = highlight.map_or(one, |factor| F32::load_at(s, factor, at));
+                let factor = match highlight {
+                    Some(factor) => F32::load_at(s, factor, at),
+                    None => one,
+                };
                 for k in 0..3 {
                     reflected[k] = kd[k] * cosine + ks[k] * lobe * factor;
                 }

@@ -1,6 +1,7 @@
-//! Vectors of sixteen rays.
+//! Vectors of sixteen rays. No closures in here, nor in what uses it: they might not be inlined, and then every operation would be
+//! a call.
 
-use crate::kernels::{F32, I32, Lanes};
+use crate::kernels::{F32, I32, Lanes, Mask};
 
 /// Three coordinates or colours, lane = ray.
 pub(super) type V3<S> = [F32<S, 16>; 3];
@@ -23,6 +24,18 @@ pub(super) fn sub<S: Lanes<16>>(a: V3<S>, b: V3<S>) -> V3<S> {
 #[inline(always)]
 pub(super) fn scale<S: Lanes<16>>(a: V3<S>, by: F32<S, 16>) -> V3<S> {
     [a[0] * by, a[1] * by, a[2] * by]
+}
+
+/// `if lane { a } else { b }`
+#[inline(always)]
+pub(super) fn select<S: Lanes<16>>(lanes: Mask<S, 16>, a: V3<S>, b: V3<S>) -> V3<S> {
+    [lanes.select(a[0], b[0]), lanes.select(a[1], b[1]), lanes.select(a[2], b[2])]
+}
+
+/// Flips the signs of the lanes whose sign bit is set.
+#[inline(always)]
+pub(super) fn flip<S: Lanes<16>>(a: V3<S>, sign: I32<S, 16>) -> V3<S> {
+    [a[0].flip(sign), a[1].flip(sign), a[2].flip(sign)]
 }
 
 #[inline(always)]

@@ -20,8 +20,12 @@ fn hash(scene: &Scene, options: &RenderOptions) -> String {
     frame.image_sha256.clone()
 }
 
+/// With as many samples as a test has time for.
 fn scene(name: &str) -> Scene {
-    procedural::build(name, 0.3).expect("a built-in scene")
+    let mut scene = procedural::build(name, 0.3).expect("a built-in scene");
+    scene.settings.samples = 1;
+    scene.settings.light_samples = scene.settings.light_samples.min(2);
+    scene
 }
 
 #[test]

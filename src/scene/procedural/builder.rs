@@ -3,7 +3,7 @@
 //! Everything is placed through [`Builder::at`], so that a chair is described once and set down many times. Smooth
 //! shapes carry normals; flat ones carry the zero vector, which means "the triangle's own".
 
-use crate::scene::{CameraDescription, Light, Material, Part, Scene, TriangleMesh};
+use crate::scene::{CameraDescription, Light, Material, Part, Scene, Texture, TriangleMesh};
 use glam::{Affine3A, Mat3, Vec2, Vec3};
 use std::f32::consts::TAU;
 
@@ -12,8 +12,10 @@ pub(super) struct Builder {
     detail: f32,
     mesh: TriangleMesh,
     materials: Vec<Material>,
+    textures: Vec<Texture>,
     placement: Affine3A,
     material: u32,
+    tiles: Option<Vec2>,
 }
 
 impl Builder {
@@ -23,8 +25,10 @@ impl Builder {
             detail,
             mesh: TriangleMesh::default(),
             materials: Vec::new(),
+            textures: Vec::new(),
             placement: Affine3A::IDENTITY,
             material: 0,
+            tiles: None,
         }
     }
 
@@ -37,6 +41,19 @@ impl Builder {
     pub(super) fn material(&mut self, material: Material) -> u32 {
         self.materials.push(material);
         self.materials.len() as u32 - 1
+    }
+
+    /// Adds a picture; the result is what maps of materials hold.
+    pub(super) fn texture(&mut self, texture: Texture) -> Option<u32> {
+        self.textures.push(texture);
+        Some(self.textures.len() as u32 - 1)
+    }
+
+    /// The patches that `build` adds show so many tiles of a picture along u and v of each.
+    pub(super) fn tiled(&mut self, tiles: Vec2, build: impl FnOnce(&mut Builder)) {
+        let outer = self.tiles.replace(tiles);
+        build(self);
+        self.tiles = outer;
     }
 
     /// What follows has this material.
@@ -102,6 +119,10 @@ impl Builder {
                 self.mesh.positions.push(self.placement.transform_point3(f(u, v)));
                 let normal = if smooth { surface_normal(&f, u, v) } else { Vec3::ZERO };
                 self.mesh.normals.push((cofactor * normal).normalize_or_zero());
+                if let Some(tiles) = self.tiles {
+                    self.mesh.uvs.resize(self.mesh.positions.len() - 1, Vec2::ZERO);
+                    self.mesh.uvs.push(Vec2::new(u, v) * tiles);
+                }
             }
         }
         first
@@ -172,10 +193,14 @@ impl Builder {
         background: Vec3,
     ) -> Scene {
         self.close_part();
+        if !self.mesh.uvs.is_empty() {
+            self.mesh.uvs.resize(self.mesh.positions.len(), Vec2::ZERO);
+        }
         Scene {
             name: name.into(),
             mesh: self.mesh,
             materials: self.materials,
+            textures: self.textures,
             lights,
             camera,
             ambient,
@@ -203,6 +228,10 @@ impl Builder {
 
     /// The same vertex without a normal of its own.
     fn creased(&mut self, vertex: u32) -> u32 {
+        if let Some(&uv) = self.mesh.uvs.get(vertex as usize) {
+            self.mesh.uvs.resize(self.mesh.positions.len(), Vec2::ZERO);
+            self.mesh.uvs.push(uv);
+        }
         self.mesh.positions.push(self.mesh.positions[vertex as usize]);
         self.mesh.normals.push(Vec3::ZERO);
         self.mesh.positions.len() as u32 - 1

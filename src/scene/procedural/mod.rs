@@ -1,11 +1,14 @@
-//! Scenes made by this project, each the counterpart of a thesis scene in triangle and light count.
+//! Scenes made by this project: counterparts of the thesis' scenes in triangles and lights, and small ones that call for
+//! the effects of light.
 //!
 //! Detail multiplies every subdivision, so that the number of triangles grows about with its square.
 
 mod architecture;
 mod atrium;
 mod builder;
+mod cornell;
 mod furniture;
+mod gallery;
 mod garden;
 mod hairball;
 mod hall;
@@ -14,6 +17,7 @@ mod nave;
 mod office;
 #[cfg(test)]
 mod office_tests;
+mod paint;
 mod shapes;
 mod statue;
 
@@ -59,6 +63,16 @@ const TABLE: &[Entry] = &[
         name: "hairball",
         summary: "ball of thin curling tubes, the worst case of a tree: 1 million triangles, 1 light",
         generator: hairball::hairball,
+    },
+    Entry {
+        name: "gallery",
+        summary: "glass, mirrors, pictures, plants on a polished floor: 26 thousand triangles, 3 area lights",
+        generator: gallery::gallery,
+    },
+    Entry {
+        name: "cornell",
+        summary: "the Cornell box, colours bleed from wall to wall: 46 triangles, 1 emitter",
+        generator: cornell::cornell,
     },
 ];
 

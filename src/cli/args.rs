@@ -231,6 +231,25 @@ pub(super) struct InspectArgs {
     /// Write the same as JSON; - is standard output
     #[arg(long, value_name = "FILE")]
     pub(super) export_json: Option<PathBuf>,
+    /// Instead, render the scene with and without each of its effects, and tell what each costs and changes
+    #[arg(long)]
+    pub(super) price: bool,
+    /// Width and height of the images of --price in pixels [default: the scene's]
+    #[arg(long, value_name = "WxH", value_parser = size, requires = "price")]
+    pub(super) size: Option<[u32; 2]>,
+    /// How often --price renders each; the median counts [default: 3]
+    #[arg(
+        long, value_name = "N", value_parser = whole(1..=1000u32), allow_negative_numbers = true, requires = "price"
+    )]
+    pub(super) rounds: Option<u32>,
+    /// Threads that render for --price [default: one per physical core]
+    #[arg(
+        long, value_name = "N", value_parser = whole(1..=1024usize), allow_negative_numbers = true, requires = "price"
+    )]
+    pub(super) threads: Option<usize>,
+    /// Instruction set of the kernels for --price; auto, the default, takes the widest of this machine
+    #[arg(long, value_parser = one_of::<IsaChoice>(), requires = "price")]
+    pub(super) isa: Option<IsaChoice>,
 }
 
 /// `irt scenes`.

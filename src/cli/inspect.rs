@@ -1,12 +1,12 @@
 //! `irt inspect`.
 
-use super::{args::InspectArgs, export::Export, interrupt, terminal};
+use super::{args::InspectArgs, export::Export, interrupt, price, terminal};
 use crate::{
     bvh::{Bvh, TreeReport},
-    effects::Reasons,
+    effects::{Reason, Reasons},
     error::Result,
     report::{bytes, count, significant, to_json},
-    scene::{CameraReport, LightReport, SceneReport, Share, load},
+    scene::{CameraReport, LightReport, SceneReport, Share, TextureReport, load},
 };
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
@@ -19,8 +19,25 @@ struct Inspection {
     scene: SceneReport,
     /// What it makes a frame simulate.
     effects: Vec<String>,
+    /// Why, and why not the others.
+    reasons: Vec<Told>,
     load_seconds: f64,
     tree: Tree,
+}
+
+/// A reason for or against an effect.
+#[derive(Serialize)]
+struct Told {
+    effect: String,
+    called: bool,
+    why: String,
+}
+
+impl Told {
+    fn new(reason: &Reason) -> Told {
+        let Reason { effect, called, why } = reason;
+        Told { effect: effect.to_string(), called: *called, why: why.clone() }
+    }
 }
 
 #[derive(Serialize)]
@@ -31,7 +48,7 @@ struct Tree {
     report: TreeReport,
 }
 
-/// Tells what is in a scene, and how good the tree over it is.
+/// Tells what is in a scene, and how good the tree over it is; or what its effects cost.
 ///
 /// # Errors
 /// Whatever is wrong with the scene or the export.
@@ -41,10 +58,15 @@ pub(super) fn run(args: &InspectArgs) -> Result<()> {
     let start = Instant::now();
     let scene = load(&args.scene)?;
     let load_seconds = start.elapsed().as_secs_f64();
+    if args.price {
+        return price::run(args, &scene, export);
+    }
     let bvh = Bvh::build(&scene.mesh, args.build)?;
+    let reasons = Reasons::new(&scene);
     let inspection = Inspection {
         scene: scene.report(),
-        effects: Reasons::new(&scene).set().iter().map(|effect| effect.to_string()).collect(),
+        effects: reasons.set().iter().map(|effect| effect.to_string()).collect(),
+        reasons: reasons.iter().map(Told::new).collect(),
         load_seconds,
         tree: Tree {
             preset: args.build.to_string(),
@@ -77,12 +99,36 @@ impl Display for Inspection {
         shares(f, "materials", &self.scene.materials)?;
         writeln!(f, "lights     {}", self.scene.lights.len())?;
         self.scene.lights.iter().try_for_each(|light| writeln!(f, "  {}", light_text(light)))?;
+        self.textures(f)?;
         let CameraReport { eye, at, up, fov_deg } = self.scene.camera;
         let [eye, at, up] = [eye, at, up].map(point);
         writeln!(f, "camera     eye {eye}, at {at}, up {up}, {fov_deg} degrees")?;
-        writeln!(f, "effects    {}", some(&self.effects.join(", ")))?;
+        self.effects(f)?;
         self.tree.fmt(f)?;
         self.scene.warnings.iter().try_for_each(|warning| writeln!(f, "warning    {warning}"))
+    }
+}
+
+impl Inspection {
+    fn textures(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let SceneReport { textures, sky, sky_light, .. } = &self.scene;
+        writeln!(f, "textures   {}", textures.len())?;
+        for TextureReport { name, size: [width, height], bytes: memory } in textures {
+            writeln!(f, "  {name} of {width}x{height} pixels, {}", bytes(*memory as u64))?;
+        }
+        writeln!(f, "sky        {sky}{}", if *sky_light { ", a light" } else { "" })
+    }
+
+    /// Effects that are called for, and why; then the others, and why not.
+    fn effects(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        writeln!(f, "effects    {}", some(&self.effects.join(", ")))?;
+        for called in [true, false] {
+            for Told { effect, why, .. } in self.reasons.iter().filter(|told| told.called == called) {
+                let sign = if called { '+' } else { '-' };
+                writeln!(f, "  {sign} {effect:<18} {why}")?;
+            }
+        }
+        Ok(())
     }
 }
 
@@ -129,6 +175,12 @@ fn light_text(light: &LightReport) -> String {
         if let Some(vector) = vector {
             text += &format!(" {title} {}", point(vector));
         }
+    }
+    if let Some([u, v]) = light.edges {
+        text += &format!(" edges {} and {}", point(u), point(v));
+    }
+    if let Some(radius) = light.radius {
+        text += &format!(" radius {}", significant(radius.into(), 4));
     }
     if let Some([inner, outer]) = light.cone_deg {
         text +=

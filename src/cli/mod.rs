@@ -14,6 +14,7 @@ mod export;
 mod inspect;
 mod interrupt;
 mod options;
+mod price;
 mod render;
 mod scaling;
 mod scenes;

@@ -11,6 +11,7 @@ mod number;
 mod scaling;
 mod stability;
 mod plot;
+mod price;
 mod statistics;
 mod summary;
 mod sweep;
@@ -26,6 +27,7 @@ pub use json::to_json;
 pub use micro::micro_table;
 pub use number::{bytes, count, significant};
 pub use plot::{Plot, Series};
+pub use price::price_table;
 pub use scaling::{
     ScalingRecord, idle_table, limits_table, scaling_table, sizes_table, thesis_table, validation_table,
 };

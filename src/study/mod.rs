@@ -4,3 +4,4 @@ pub mod bench;
 pub mod scaling;
 pub mod stability;
 pub mod coherence;
+pub mod price;

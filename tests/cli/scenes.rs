@@ -27,6 +27,26 @@ fn inspect_tells_what_is_in_a_scene() {
 }
 
 #[test]
+fn inspect_tells_why_effects_are_simulated_and_what_they_cost() {
+    let folder = folder_with_scenes();
+    let text = folder.run("inspect square.toml --export-json a.json");
+    assert!(text.contains("+ hard-shadows") && text.contains("- refraction"), "{text}");
+    let json: Value = serde_json::from_slice(&fs::read(folder.path().join("a.json")).unwrap()).unwrap();
+    let reasons = json["reasons"].as_array().unwrap();
+    let called = reasons.iter().filter(|reason| reason["called"] == true).map(|reason| &reason["effect"]);
+    assert_eq!(called.collect::<Vec<_>>(), json["effects"].as_array().unwrap().iter().collect::<Vec<_>>());
+    assert!(reasons.iter().all(|reason| !reason["why"].as_str().unwrap().is_empty()));
+    let text =
+        folder.run("inspect square.toml --price --size 16x12 --rounds 2 --threads 1 --export-json p.json");
+    assert!(text.contains("without hard-shadows") && text.contains("16x12"), "{text}");
+    let json: Value = serde_json::from_slice(&fs::read(folder.path().join("p.json")).unwrap()).unwrap();
+    assert_eq!(json["general"]["changed"], 0.0);
+    let prices = json["prices"].as_array().unwrap();
+    assert!(prices.iter().any(|price| price["effect"] == "hard-shadows"), "{json}");
+    assert!(prices.iter().all(|price| price["seconds"].as_array().unwrap().len() == 2), "{json}");
+}
+
+#[test]
 fn scenes_lists_built_in_and_described_ones() {
     let folder = Folder::new();
     let text = folder.run("scenes");

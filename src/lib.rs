@@ -21,4 +21,5 @@ pub mod render;
 pub mod output;
 pub mod study;
 pub mod report;
+pub mod view;
 pub mod cli;

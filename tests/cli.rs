@@ -7,6 +7,7 @@ mod scaling;
 mod scenes;
 mod stability;
 mod trace;
+mod view;
 
 use assert_cmd::Command;
 use std::fs;

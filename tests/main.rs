@@ -13,6 +13,7 @@ mod entries; // kernels without calls
 mod images;
 mod layering; // who may know whom
 mod light; // direct light against a plain reference
+mod progressive; // images refined step by step
 mod properties; // hits against rational numbers, on random input
 mod rational; // the exact oracle
 mod reported; // defects reported of other ray tracers

@@ -19,6 +19,9 @@ pub struct Camera {
     corner: Vec3,
     /// Change of direction per pixel to the right and per pixel down.
     step: [Vec3; 2],
+    /// Which pixels of the image are asked for: see [`Camera::every`].
+    first: [u32; 2],
+    spacing: u32,
 }
 
 /// Pixels along one side of a tile packet.
@@ -66,11 +69,28 @@ impl Camera {
         let step = [right * pixel, up * -pixel];
         let corner =
             forward - step[0] * (0.5 * (width as f32 - 1.0)) - step[1] * (0.5 * (height as f32 - 1.0));
-        Camera { eye: description.eye, corner, step }
+        Camera { eye: description.eye, corner, step, first: [0; 2], spacing: 1 }
+    }
+
+    /// The camera that takes only every `spacing`-th pixel of the image in each direction, from `first` on: its pixel
+    /// (x, y) is pixel `first + spacing * (x, y)` of this one, bit by bit the same ray. `spacing` >= 1.
+    pub fn every(&self, first: [u32; 2], spacing: u32) -> Camera {
+        Camera { first: self.image_pixel(first), spacing: self.spacing * spacing, ..*self }
+    }
+
+    /// Where a pixel that is asked for lies in the image.
+    pub fn image_pixel(&self, [x, y]: [u32; 2]) -> [u32; 2] {
+        [self.first[0] + self.spacing * x, self.first[1] + self.spacing * y]
+    }
+
+    /// Distance in the image of pixels that are asked for side by side.
+    pub fn spacing(&self) -> u32 {
+        self.spacing
     }
 
     /// Unnormalised direction through the centre of a pixel.
     pub fn direction(&self, x: u32, y: u32) -> Vec3 {
+        let [x, y] = self.image_pixel([x, y]);
         self.corner + self.step[0] * x as f32 + self.step[1] * y as f32
     }
 
@@ -99,11 +119,16 @@ impl Camera {
         [width, height]: [u32; 2],
         packets: &mut [TilePacket; 6],
     ) -> usize {
-        self.jittered_rays(kernels, [x, y], [width, height], &OFFSETS, packets)
+        if self.spacing == 1 {
+            return self.jittered_rays(kernels, self.image_pixel([x, y]), [width, height], &OFFSETS, packets);
+        }
+        // Whole numbers far below 2^24: exact, so that these are the rays of the whole image.
+        let places = OFFSETS.map(|axis| axis.map(|offset| offset * self.spacing as f32));
+        self.jittered_rays(kernels, self.image_pixel([x, y]), [width, height], &places, packets)
     }
 
-    /// The same rays elsewhere in their pixels: `places` has where, by axis and ray, in pixels from the centre of the first
-    /// pixel; see [`pixel_of`].
+    /// The same rays elsewhere in their pixels: `places` has where, by axis and ray, in pixels of the image from the centre of
+    /// its pixel (x, y); see [`pixel_of`].
     pub fn jittered_rays(
         &self,
         kernels: &Kernels,

@@ -1,7 +1,7 @@
 //! What was typed. Values are checked one by one here; what they mean together is settled in `options`.
 
 use super::study_args::{BenchArgs, CoherenceArgs, ScalingArgs, StabilityArgs};
-use super::value::{IsaChoice, field_of_view, number, one_of, share, size, vector, whole};
+use super::value::{IsaChoice, field_of_view, milliseconds, number, one_of, share, size, vector, whole};
 use crate::{
     bvh::BuildPreset,
     effects::EffectChoice,
@@ -43,6 +43,8 @@ pub(super) struct Talk {
 pub(super) enum Command {
     /// Render a scene to an image file
     Render(Box<RenderArgs>),
+    /// Look around in a scene in a window, or play a script of what a user does there, and tell how it felt
+    View(Box<ViewerArgs>),
     /// Tell what is in a scene, and how good the tree over it is
     Inspect(InspectArgs),
     /// List the built-in and the described scenes
@@ -80,6 +82,9 @@ pub(super) struct RenderArgs {
         value_parser = whole(1..=1_000_000u32), allow_negative_numbers = true
     )]
     pub(super) frames: u32,
+    /// Send tiles to the image viewer tev as they are finished; it listens at 127.0.0.1:14158
+    #[arg(long, value_name = "HOST:PORT")]
+    pub(super) tev: Option<String>,
     /// Seed of the samplers
     #[arg(
         long, value_name = "N", default_value = "0",
@@ -116,6 +121,38 @@ pub(super) struct SamplingArgs {
     /// Share of a pixel below which light is not followed [default: the scene's, or 1/512]
     #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
     pub(super) cutoff: Option<f32>,
+}
+
+/// `irt view`.
+#[derive(Args, Debug)]
+pub(super) struct ViewerArgs {
+    /// A TOML scene, an OBJ file or the name of a built-in scene
+    #[arg(default_value = procedural::DEFAULT)]
+    pub(super) scene: String,
+    /// Play a script without a window, and tell how it felt: lines of seconds and deeds such as `0.5 press w`
+    #[arg(long, value_name = "FILE")]
+    pub(super) script: Option<PathBuf>,
+    /// Width and height of the picture in pixels [default: the scene's]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(super) size: Option<[u32; 2]>,
+    /// How long a frame may take while the camera moves
+    #[arg(long, value_name = "MS", default_value = "33", value_parser = milliseconds)]
+    pub(super) frame_time: f64,
+    /// Draw in the terminal, two pixels to a character, instead of a window; --size does not count then
+    #[arg(long, conflicts_with = "script")]
+    pub(super) terminal: bool,
+    /// Write every frame of the script to this folder as a PNG, with all that lies over it; it slows the frames down
+    #[arg(long, value_name = "DIR", requires = "script")]
+    pub(super) record: Option<PathBuf>,
+    /// Write the figures of every frame of the script as JSON; - is standard output
+    #[arg(long, value_name = "FILE", requires = "script")]
+    pub(super) export_json: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) sampling: SamplingArgs,
+    #[command(flatten)]
+    pub(super) view: ViewArgs,
+    #[command(flatten)]
+    pub(super) engine: EngineArgs,
 }
 
 /// What replaces the scene's own camera and lights.

@@ -24,6 +24,7 @@ mod terminal;
 mod trace;
 mod usage;
 mod value;
+mod view;
 
 use crate::error::{Error, Result};
 use args::{Command, CommandLine, Talk};
@@ -49,6 +50,7 @@ pub fn main() -> ExitCode {
 fn run(command: &Command, talk: Talk) -> Result<()> {
     match command {
         Command::Render(args) => render::run(args, talk),
+        Command::View(args) => view::run(args, talk),
         Command::Inspect(args) => inspect::run(args),
         Command::Scenes(args) => scenes::run(args),
         Command::Bench(args) => bench::run(args, talk),

@@ -20,17 +20,26 @@ const MOST_TILES: u64 = 1 << 22;
 /// [`Error::Flag`] for an instruction set that this machine lacks, two outputs that are one file, and tiles too small
 /// for the size.
 pub(super) fn check(args: &RenderArgs) -> Result<()> {
-    choose_kernels(args.engine.isa.isa())?;
     if args.export_json.as_deref().is_some_and(|json| json == args.output && json != Path::new("-")) {
         let what = format!("{} is the image already", args.output.display());
         return Err(Error::flag("--export-json", what, "choose another name for one of them"));
     }
-    let EngineArgs { kernel, early_termination, .. } = args.engine;
+    check_engine(&args.engine)?;
+    args.size.map_or(Ok(()), |size| check_tiles(size, args.engine.tile))
+}
+
+/// Settles what can be told of these arguments alone.
+///
+/// # Errors
+/// [`Error::Flag`] for an instruction set that this machine lacks, and for what the kernel would ignore.
+pub(super) fn check_engine(args: &EngineArgs) -> Result<()> {
+    choose_kernels(args.isa.isa())?;
+    let EngineArgs { kernel, early_termination, .. } = *args;
     if kernel == KernelChoice::Single && early_termination != EarlyTermination::default() {
         let remedy = "leave out --kernel single, or study single rays with irt coherence";
         return Err(Error::flag("--early-termination", "it switches the tile kernel only", remedy));
     }
-    args.size.map_or(Ok(()), |size| check_tiles(size, args.engine.tile))
+    Ok(())
 }
 
 /// How to render `scene`.
@@ -38,6 +47,14 @@ pub(super) fn check(args: &RenderArgs) -> Result<()> {
 /// # Errors
 /// [`Error::Flag`] if the tiles are too small for the size.
 pub(super) fn render_options(args: &RenderArgs, scene: &Scene) -> Result<RenderOptions> {
+    let size = args.size.unwrap_or(scene.size);
+    check_tiles(size, args.engine.tile)?;
+    let RenderArgs { frames, seed, .. } = *args;
+    Ok(RenderOptions { frames, seed, ..engine_options(&args.engine, size) })
+}
+
+/// How to render one frame of this size.
+pub(super) fn engine_options(args: &EngineArgs, size: [u32; 2]) -> RenderOptions {
     let EngineArgs {
         threads,
         pin,
@@ -51,13 +68,9 @@ pub(super) fn render_options(args: &RenderArgs, scene: &Scene) -> Result<RenderO
         build,
         early_termination,
         effects,
-    } = args.engine;
-    let size = args.size.unwrap_or(scene.size);
-    check_tiles(size, tile)?;
-    let isa = isa.isa();
-    let RenderArgs { frames, seed, .. } = *args;
-    Ok(RenderOptions {
-        isa,
+    } = *args;
+    RenderOptions {
+        isa: isa.isa(),
         kernel,
         visibility,
         threads,
@@ -66,12 +79,12 @@ pub(super) fn render_options(args: &RenderArgs, scene: &Scene) -> Result<RenderO
         schedule: Schedule { strategy: schedule, film },
         tile,
         size,
-        frames,
+        frames: 1,
         build,
-        seed,
+        seed: 0,
         early: early_termination,
         effects,
-    })
+    }
 }
 
 pub(super) fn check_tiles([width, height]: [u32; 2], tile: u32) -> Result<()> {

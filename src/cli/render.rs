@@ -10,8 +10,9 @@ use super::{
 use crate::{
     effects::Effect,
     error::Result,
-    output::OutputFile,
-    render::{FrameReport, RenderOptions, Rendered, render},
+    film::Film,
+    output::{OutputFile, Tev},
+    render::{FrameReport, RenderOptions, Rendered, render_watched},
     report::{BuildSummary, FrameSummary, RayCounts, StageSeconds, Summary, WorkerSummary, to_json},
     scene::{Scene, load},
     schedule::{Control, Machine, Placement},
@@ -38,7 +39,9 @@ pub(super) fn run(args: &RenderArgs, talk: Talk) -> Result<()> {
     replace_view(&mut scene, &args.view)?;
     replace_sampling(&mut scene, &args.sampling);
     let options = render_options(args, &scene)?;
-    let rendered = render_with_progress(&scene, &options, talk)?;
+    let mut viewer =
+        args.tev.as_deref().map(|tev| Tev::connect(tev, &scene.name, options.size)).transpose()?;
+    let rendered = render_with_progress(&scene, &options, &mut viewer, talk)?;
     warn_about(&scene, &rendered);
 
     let start = Instant::now();
@@ -51,12 +54,23 @@ pub(super) fn run(args: &RenderArgs, talk: Talk) -> Result<()> {
     if talk.quiet { Ok(()) } else { terminal::results(&summary.to_string(), stdout_taken, talk) }
 }
 
-fn render_with_progress(scene: &Scene, options: &RenderOptions, talk: Talk) -> Result<Rendered> {
+fn render_with_progress(
+    scene: &Scene,
+    options: &RenderOptions,
+    viewer: &mut Option<Tev>,
+    talk: Talk,
+) -> Result<Rendered> {
     let placement = Placement::new(Machine::get(), options.threads, options.pin);
     placement.notes().iter().for_each(|note| log::warn!("{note}"));
     let bar = Progress::new(options.frames, talk);
     let tick = |frame: crate::schedule::Progress| bar.tick(frame.total as u64 * u64::from(options.frames));
-    render(scene, options, &Control::new(interrupt::flag(), &tick))
+    let mut watch = |tile, film: &Film| {
+        if let Some(Err(error)) = viewer.as_mut().map(|viewer| viewer.update(tile, film)) {
+            log::warn!("the viewer of --tev was closed ({error}); rendering goes on without it");
+            *viewer = None;
+        }
+    };
+    render_watched(scene, options, &Control::new(interrupt::flag(), &tick), &mut watch)
 }
 
 /// Tells about what is probably not what the user wanted.

@@ -154,6 +154,12 @@ pub(super) fn factor(text: &str) -> Result<f64, String> {
     factor.ok_or_else(|| format!("'{text}' is not a factor; give a number from 1 to 100, such as 1.05"))
 }
 
+/// Takes milliseconds of a frame.
+pub(super) fn milliseconds(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse().ok().filter(|ms: &f64| (1.0..=10000.0).contains(ms));
+    number.ok_or_else(|| format!("'{text}' is no frame time; give milliseconds from 1 to 10000, such as 33"))
+}
+
 /// Takes WxH.
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let side = |text: &str| text.trim().parse().ok().filter(|&side: &u32| side >= 1);

@@ -84,6 +84,30 @@ impl Film {
         }
     }
 
+    /// Stores colours like [`Film::write_tile`], of pixels apart: the pixel in column `x` and row `y` of `tile` is the
+    /// one at `first + spacing * (tile.x + x, tile.y + y)` of the film.
+    ///
+    /// # Panics
+    ///
+    /// If one of them lies beyond the film, or a slice is shorter than the tile.
+    pub fn write_spaced(&self, tile: Tile, first: [u32; 2], spacing: u32, r: &[f32], g: &[f32], b: &[f32]) {
+        for row in 0..tile.height {
+            let line = (first[1] + spacing * (tile.y + row)) as usize * self.width as usize;
+            for column in 0..tile.width {
+                let x = first[0] + spacing * (tile.x + column);
+                assert!(x < self.width, "tile outside the film");
+                let (from, to) = ((row * tile.width + column) as usize, line + x as usize);
+                let color = [r[from], g[from], b[from]];
+                for (plane, value) in self.planes.iter().zip(color) {
+                    plane[to].store(value.to_bits(), Ordering::Relaxed);
+                }
+                if !all_finite(&color) {
+                    self.blacken(to, [&color[..1], &color[1..2], &color[2..]]);
+                }
+            }
+        }
+    }
+
     #[cold]
     fn blacken(&self, to: usize, rows: [&[f32]; 3]) {
         for i in (0..rows[0].len()).filter(|&i| rows.iter().any(|values| !values[i].is_finite())) {

@@ -17,6 +17,58 @@ pub fn srgb8_to_linear() -> [f32; 256] {
     })
 }
 
+/// [`linear_to_srgb8`] by a table: the same bytes, some ten times as fast.
+#[derive(Clone, Debug)]
+pub struct SrgbTable {
+    /// By the leading bits of a value: the byte of the least such value, ...
+    bytes: Vec<u8>,
+    /// ... and the least value beyond which the byte is one more; none of these ranges of values has three bytes.
+    next: Vec<f32>,
+}
+
+/// Values below this are black.
+const LEAST: f32 = 1.0 / 8192.0;
+/// Bits of a value that are left out of its place in the table.
+const SHIFT: u32 = 15;
+
+impl SrgbTable {
+    /// Makes the table.
+    pub fn new() -> SrgbTable {
+        let (first, last) = (LEAST.to_bits() >> SHIFT, 1f32.to_bits() >> SHIFT);
+        let (mut bytes, mut next) = (vec![], vec![]);
+        for place in first..=last {
+            let (mut low, mut high) = (place << SHIFT, (place + 1) << SHIFT);
+            let byte = linear_to_srgb8(f32::from_bits(low));
+            bytes.push(byte);
+            // The least value of another byte; the end of the range if there is none.
+            while low < high {
+                let middle = low + (high - low) / 2;
+                if linear_to_srgb8(f32::from_bits(middle)) > byte {
+                    high = middle;
+                } else {
+                    low = middle + 1;
+                }
+            }
+            next.push(f32::from_bits(low));
+        }
+        SrgbTable { bytes, next }
+    }
+
+    /// What [`linear_to_srgb8`] returns.
+    pub fn encode(&self, linear: f32) -> u8 {
+        // A NaN ends up at the least value, too.
+        let value = if linear > LEAST { linear.min(1.0) } else { LEAST };
+        let place = ((value.to_bits() >> SHIFT) - (LEAST.to_bits() >> SHIFT)) as usize;
+        self.bytes[place] + u8::from(value >= self.next[place])
+    }
+}
+
+impl Default for SrgbTable {
+    fn default() -> SrgbTable {
+        SrgbTable::new()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -38,6 +90,27 @@ mod tests {
             let unit = f64::from(f32::from_bits(linear.to_bits() + 1)) - f64::from(linear);
             let middle = 0.5 - ((exact - f64::from(linear)) / unit).abs();
             assert!(middle > 1.0e-5, "{encoded}: {middle}");
+        }
+    }
+
+    #[test]
+    fn the_table_gives_the_bytes_of_the_formula() {
+        let table = SrgbTable::new();
+        // Every 61st value between 2^-16 and 4, and both sides of each change of byte.
+        let mut values: Vec<u32> = (0x3780_0000..0x4080_0000).step_by(61).collect();
+        for byte in 0..255u8 {
+            let (mut low, mut high) = (0, 1f32.to_bits());
+            while low < high {
+                let middle = low + (high - low) / 2;
+                if linear_to_srgb8(f32::from_bits(middle)) > byte { high = middle } else { low = middle + 1 }
+            }
+            values.extend([low - 1, low, low + 1]);
+        }
+        for value in values.into_iter().map(f32::from_bits) {
+            assert_eq!(table.encode(value), linear_to_srgb8(value), "{value:e}");
+        }
+        for odd in [0.0, -0.0, -1.0, f32::NAN, f32::INFINITY, -f32::INFINITY, f32::MIN_POSITIVE, f32::MAX] {
+            assert_eq!(table.encode(odd), linear_to_srgb8(odd), "{odd}");
         }
     }
 }

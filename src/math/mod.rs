@@ -7,7 +7,7 @@ mod log;
 mod median;
 
 pub use aabb::Aabb;
-pub use color::{linear_to_srgb8, srgb8_to_linear};
+pub use color::{SrgbTable, linear_to_srgb8, srgb8_to_linear};
 pub use hash::hash_unit;
 pub use log::log2;
 pub use median::median;

@@ -6,9 +6,12 @@ mod hdr;
 mod npy;
 mod pfm;
 mod png;
+mod tev;
 
+pub use self::png::write_bytes;
 pub use atomic::{PendingFile, discard_pending};
 pub use npy::{read_rays, write_blocked, write_hits};
+pub use tev::Tev;
 
 // By these names, because `png` and `exr` are crates, too.
 use self::exr::write as write_exr;

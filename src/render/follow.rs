@@ -5,7 +5,7 @@ use super::{
     task::{RenderTask, Scratch, packet_corners},
 };
 use crate::{
-    camera::{Camera, pixel_of},
+    camera::{Camera, PACKET_SIDE, pixel_of},
     effects::{Effect, EffectChoice, EffectSet},
     kernels::{SUB, TILE_RAYS},
     scene::{DepthOfField, Scene},
@@ -70,7 +70,8 @@ impl<'a> Follow<'a> {
                     [tile.x + left + x, tile.y + top + y]
                 })
             });
-            scratch.path.begin_sample(camera, pixels.clone(), self.integrator.seed);
+            let in_image = pixels.clone().map(|pixel| camera.image_pixel(pixel));
+            scratch.path.begin_sample(camera, in_image, self.integrator.seed);
             match self.lens {
                 None => self.see(task, camera, tile, scratch, meter, number),
                 Some(lens) => self.look_through(lens, camera, tile, scratch, pixels, number),
@@ -110,10 +111,19 @@ impl<'a> Follow<'a> {
         task.see_with(tile, scratch, meter, |_, at, inside, packets| {
             for ray in 0..TILE_RAYS {
                 let (x, y) = pixel_of(ray);
-                let [dx, dy] = self.place([at[0] + x, at[1] + y], number);
-                (places[0][ray], places[1][ray]) = (x as f32 + dx, y as f32 + dy);
+                let pixel = camera.image_pixel([at[0] + x, at[1] + y]);
+                let moved = self.place(pixel, number);
+                for axis in 0..2 {
+                    let [inner, corner] = match camera.spacing() {
+                        1 => [[x, y][axis], 0],
+                        // Rounded as in the packet of adjacent pixels that it would be in: the image has one hash.
+                        _ => [pixel[axis] % PACKET_SIDE, pixel[axis] - pixel[axis] % PACKET_SIDE],
+                    };
+                    places[axis][ray] = (inner as f32 + moved[axis]) + corner as f32;
+                }
             }
-            camera.jittered_rays(kernels, at, inside, &places, packets)
+            let from = if camera.spacing() == 1 { camera.image_pixel(at) } else { [0; 2] };
+            camera.jittered_rays(kernels, from, inside, &places, packets)
         });
     }
 
@@ -142,6 +152,7 @@ impl<'a> Follow<'a> {
             let some: Vec<(usize, [u32; 2])> = pixels.by_ref().take(SUB).collect();
             let mut squares = [[0.0; SUB]; 2];
             for (lane, &(_, [x, y])) in some.iter().enumerate() {
+                let [x, y] = camera.image_pixel([x, y]);
                 let key = pixel_key(x, y, self.integrator.seed);
                 let square = Samples::new(self.samples, key, Purpose::Lens as u32).get(number);
                 [squares[0][lane], squares[1][lane]] = square;
@@ -151,6 +162,7 @@ impl<'a> Follow<'a> {
                 if x >= tile.x + tile.width || y >= tile.y + tile.height {
                     continue;
                 }
+                let [x, y] = camera.image_pixel([x, y]);
                 let [dx, dy] = self.place([x, y], number);
                 let at = [x as f32 + dx, y as f32 + dy];
                 let ray_through = camera.lens_ray(at, [across[lane], up[lane]], lens.aperture, lens.focus);

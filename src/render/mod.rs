@@ -9,11 +9,13 @@
 //! A scene that calls for more than hard shadows, highlights and smooth normals has its light followed further.
 
 mod follow;
+mod progressive;
 mod seeds;
 mod session;
 mod task;
 
 pub use crate::shade::RayTally;
+pub use progressive::{Level, Limit, Progressive, RayMap, Target, Tone, Traced};
 pub use session::{Session, Stage};
 
 use crate::{
@@ -24,7 +26,7 @@ use crate::{
     kernels::{Isa, Kernels, Visibility},
     scene::Scene,
     schedule::{Control, Machine, Placement, Schedule, WorkerStats},
-    tile::Order,
+    tile::{Order, Tile},
     trace::{EarlyTermination, KernelChoice},
 };
 
@@ -120,6 +122,19 @@ pub fn choose_kernels(isa: Option<Isa>) -> Result<Kernels> {
 /// [`Error::Worker`] if a tile panicked, [`Error::Failed`] if the scene breaks a promise (see [`Scene::check`]) or the
 /// tree cannot be built.
 pub fn render(scene: &Scene, options: &RenderOptions, control: &Control) -> Result<Rendered> {
+    render_watched(scene, options, control, &mut |_, _| {})
+}
+
+/// The same; `watch` gets each finished tile and the film that it is on, on this thread.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_watched(
+    scene: &Scene,
+    options: &RenderOptions,
+    control: &Control,
+    watch: &mut dyn FnMut(Tile, &Film),
+) -> Result<Rendered> {
     // The machine is enumerated and the tree built before any thread is pinned: pins are inherited.
     let placement = Placement::new(Machine::get(), options.threads, options.pin);
     let stage = Stage::new(scene, options)?;
@@ -130,7 +145,7 @@ pub fn render(scene: &Scene, options: &RenderOptions, control: &Control) -> Resu
     let mut frames = Vec::new();
     let film = stage.with_session(&placement, |session| {
         for _ in 0..options.frames {
-            let (stats, sum) = session.counted_frame(options.schedule, &tiles, control)?;
+            let (stats, sum) = session.counted_frame(options.schedule, &tiles, control, watch)?;
             frames.push(FrameReport {
                 seconds: stats.seconds,
                 rays: sum.rays,

@@ -51,6 +51,33 @@ impl<'a> Stage<'a> {
         Ok(Stage { scene, options: *options, kernels, bvh, table, set, paths, build_seconds })
     }
 
+    /// How it is rendered.
+    pub(super) fn options(&self) -> &RenderOptions {
+        &self.options
+    }
+
+    /// Renders another way from now on; the tree and the effects stay.
+    ///
+    /// # Errors
+    /// [`Error::Flag`](crate::error::Error::Flag) for an instruction set that this machine lacks; nothing is changed then.
+    pub fn set_options(&mut self, options: &RenderOptions) -> Result<()> {
+        self.kernels = choose_kernels(options.isa)?.with_visibility(options.visibility);
+        self.options = *options;
+        Ok(())
+    }
+
+    /// What workers need to render this scene.
+    pub(super) fn task(&self) -> RenderTask<'_> {
+        let Stage { scene, options, kernels, bvh, table, paths, .. } = self;
+        RenderTask::new(scene, bvh, table, paths.as_ref(), *kernels, options)
+    }
+
+    /// The camera of the scene.
+    pub(super) fn camera(&self) -> Camera {
+        let [width, height] = self.options.size;
+        Camera::new(&self.scene.camera, width, height)
+    }
+
     /// The image cut into tiles of `side` pixels, in the stage's order.
     pub fn tiles(&self, side: u32) -> Vec<Tile> {
         let [width, height] = self.options.size;
@@ -66,16 +93,8 @@ impl<'a> Stage<'a> {
         placement: &Placement,
         body: impl FnOnce(&mut Session<'_, '_>) -> Result<R>,
     ) -> Result<R> {
-        let task = RenderTask::new(
-            self.scene,
-            &self.bvh,
-            &self.table,
-            self.paths.as_ref(),
-            self.kernels,
-            &self.options,
-        );
+        let (task, camera) = (self.task(), self.camera());
         let [width, height] = self.options.size;
-        let camera = Camera::new(&self.scene.camera, width, height);
         with_workers(&task, placement, |master| {
             body(&mut Session {
                 master,
@@ -100,7 +119,7 @@ pub struct Session<'m, 'a> {
 }
 
 impl Session<'_, '_> {
-    /// Renders one frame; gives the sum of what its tiles report, too.
+    /// Renders one frame; gives the sum of what its tiles report, too. `watch` gets each tile with the film that it is on.
     ///
     /// # Errors
     /// As [`Master::run_frame`]; the film is black then.
@@ -109,12 +128,16 @@ impl Session<'_, '_> {
         schedule: Schedule,
         tiles: &[Tile],
         control: &Control,
+        watch: &mut dyn FnMut(Tile, &Film),
     ) -> Result<(FrameStats, TileReport)> {
         let (width, height) = (self.film.width(), self.film.height());
         let film = std::mem::replace(&mut self.film, Film::new(0, 0));
         let frame = Frame { camera: self.camera, film, mode: schedule.film };
         let mut sum = TileReport::default();
-        let collect = |frame: &Frame, tile, report: &mut TileReport| frame.collect(tile, report, &mut sum);
+        let collect = |frame: &Frame, tile, report: &mut TileReport| {
+            frame.collect(tile, report, &mut sum);
+            watch(tile, &frame.film);
+        };
         match self.master.run_frame(schedule, frame, tiles, control, collect) {
             Ok((frame, stats)) => {
                 self.film = frame.film;

@@ -61,6 +61,12 @@ pub(super) struct TileReport {
 }
 
 impl TileReport {
+    /// Takes the meter's figures instead of its own.
+    pub(super) fn read(&mut self, meter: &Meter) {
+        let Meter { rays, doubts, trace, shade, .. } = *meter;
+        (self.rays, self.doubts, self.trace, self.shade) = (rays, doubts, trace, shade);
+    }
+
     pub(super) fn add(&mut self, other: &TileReport) {
         self.rays.add(&other.rays);
         self.doubts.add(&other.doubts);
@@ -87,7 +93,7 @@ pub(super) struct Scratch {
     stream: RayStream,
     /// Where rays go on from the first surfaces.
     pub(super) path: PathScratch,
-    pixels: [Vec<f32>; 3],
+    pub(super) pixels: [Vec<f32>; 3],
 }
 
 impl<'a> RenderTask<'a> {
@@ -134,20 +140,7 @@ impl TileTask for RenderTask<'_> {
 
     fn run(&self, frame: &Frame, tile: Tile, scratch: &mut Scratch, report: &mut TileReport) {
         let mut meter = Meter::start();
-        match &self.follow {
-            Some(follow) => {
-                let samples = follow.run(self, &frame.camera, tile, scratch, &mut meter);
-                in_pixel_order(tile, scratch.path.finish(samples), &mut scratch.pixels);
-            }
-            None => {
-                self.see(&frame.camera, tile, scratch, &mut meter);
-                scratch.surfaces.finish(self.traversal.kernels());
-                for (index, light) in self.scene.lights.iter().enumerate() {
-                    self.light(light, index, scratch, &mut meter);
-                }
-                in_pixel_order(tile, &scratch.surfaces.color, &mut scratch.pixels);
-            }
-        }
+        self.colour(&frame.camera, tile, scratch, &mut meter);
         match frame.mode {
             FilmMode::Shared => {
                 let [r, g, b] = &scratch.pixels;
@@ -157,12 +150,29 @@ impl TileTask for RenderTask<'_> {
             FilmMode::Messages => std::mem::swap(&mut report.pixels, &mut scratch.pixels),
         }
         meter.shade();
-        let Meter { rays, doubts, trace, shade, .. } = meter;
-        (report.rays, report.doubts, report.trace, report.shade) = (rays, doubts, trace, shade);
+        report.read(&meter);
     }
 }
 
 impl RenderTask<'_> {
+    /// Leaves the colours of the tile's pixels in `scratch.pixels`, row by row.
+    pub(super) fn colour(&self, camera: &Camera, tile: Tile, scratch: &mut Scratch, meter: &mut Meter) {
+        match &self.follow {
+            Some(follow) => {
+                let samples = follow.run(self, camera, tile, scratch, meter);
+                in_pixel_order(tile, scratch.path.finish(samples), &mut scratch.pixels);
+            }
+            None => {
+                self.see(camera, tile, scratch, meter);
+                scratch.surfaces.finish(self.traversal.kernels());
+                for (index, light) in self.scene.lights.iter().enumerate() {
+                    self.light(light, index, scratch, meter);
+                }
+                in_pixel_order(tile, &scratch.surfaces.color, &mut scratch.pixels);
+            }
+        }
+    }
+
     /// Primary rays: fills the surfaces of the tile, packet by packet of 16x16 pixels.
     fn see(&self, camera: &Camera, tile: Tile, scratch: &mut Scratch, meter: &mut Meter) {
         self.see_with(tile, scratch, meter, |_, at, inside, packets| {

@@ -1,0 +1,157 @@
+//! Images that are refined step by step: complete at any time, each pixel traced once, and at last the image of a plain
+//! render, bit by bit.
+
+use crate::support::{RENDER, Random};
+use irt::{
+    kernels::Isa,
+    render::{Level, Limit, Progressive, RenderOptions, Stage, Target, Tone, render},
+    scene::{Scene, procedural},
+    schedule::{Control, FilmMode, Machine, Placement, Schedule, Strategy},
+    tile::Order,
+};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::time::{Duration, Instant};
+
+fn scene() -> Scene {
+    procedural::build("atrium", 0.2).expect("a built-in scene")
+}
+
+fn refined<R>(
+    scene: &Scene,
+    options: &RenderOptions,
+    halt: &AtomicBool,
+    body: impl FnOnce(&mut Progressive<'_, '_>) -> R,
+) -> R {
+    let placement = Placement::new(Machine::get(), options.threads, false);
+    let stage = Stage::new(scene, options).unwrap();
+    let body = |session: &mut Progressive<'_, '_>| {
+        session.begin(&scene.camera, &Tone::new(0.0));
+        Ok(body(session))
+    };
+    stage.with_progressive(&placement, halt, body).unwrap()
+}
+
+fn to(session: &Progressive, side: u32, level: Level) -> Vec<Target> {
+    session.tiles(side).into_iter().map(|tile| Target { tile, level }).collect()
+}
+
+fn plain(picture: &[AtomicU32]) -> Vec<u32> {
+    picture.iter().map(|pixel| pixel.load(Ordering::Relaxed)).collect()
+}
+
+/// Random tiles to random levels until all are full; the number of primary rays.
+fn wander(session: &mut Progressive, schedule: Schedule, random: &mut Random) -> u64 {
+    let mut rays = 0;
+    while !session.complete() {
+        let side = [16, 64, 100][random.below(3)];
+        let mut targets = to(session, side, Level::Full);
+        targets.retain_mut(|target| {
+            target.level = Level::ALL[random.below(5)];
+            random.below(3) > 0
+        });
+        rays += session.trace(schedule, &targets, Limit::Whole).unwrap().rays.primary;
+    }
+    rays
+}
+
+#[test]
+fn however_it_is_refined_the_image_is_that_of_a_plain_render() {
+    let scene = scene();
+    let expected = render(&scene, &RENDER, &Control::unattended()).unwrap().film.sha256();
+    let mut random = Random(1);
+    let orders = Order::ALL.into_iter().cycle();
+    for ((isa, schedule), order) in
+        Isa::available().flat_map(|isa| Schedule::all().map(move |schedule| (isa, schedule))).zip(orders)
+    {
+        let options = RenderOptions { isa: Some(isa), order, threads: Some(2), ..RENDER };
+        refined(&scene, &options, &AtomicBool::new(false), |session| {
+            let rays = wander(session, schedule, &mut random);
+            assert_eq!(rays, 150 * 101, "each pixel is traced once");
+            assert_eq!(session.film().sha256(), expected, "{isa} {schedule:?} {order}");
+            assert_eq!(session.share(), 1.0);
+        });
+    }
+}
+
+#[test]
+fn the_picture_is_complete_at_every_level_and_does_not_depend_on_the_cut() {
+    let scene = scene();
+    let film = render(&scene, &RENDER, &Control::unattended()).unwrap().film;
+    let tone = Tone::new(0.0);
+    let whole: Vec<u32> = film.pixels().map(|pixel| tone.encode(pixel)).collect();
+    let mut errors = vec![];
+    for level in [Level::Sixteenth, Level::Quarter, Level::Half, Level::Full] {
+        let mut pictures = Schedule::all().map(|schedule| {
+            let options = RenderOptions { threads: Some(3), schedule, ..RENDER };
+            refined(&scene, &options, &AtomicBool::new(false), |session| {
+                let targets = to(session, 64, level);
+                session.trace(schedule, &targets, Limit::Whole).unwrap();
+                assert!((session.share() - level.share()).abs() < 1e-9);
+                let mut picture = vec![];
+                session.fill(schedule, &mut picture).unwrap();
+                plain(&picture)
+            })
+        });
+        let first = pictures.next().unwrap();
+        assert!(pictures.all(|other| other == first), "{level:?}");
+        let traced = |i: usize| {
+            let (x, y) = (i % 150, i / 150);
+            match level {
+                Level::Sixteenth => x % 4 == 0 && y % 4 == 0,
+                Level::Quarter => x % 2 == 0 && y % 2 == 0,
+                Level::Half => (x + y) % 2 == 0,
+                _ => true,
+            }
+        };
+        assert!((0..whole.len()).filter(|&i| traced(i)).all(|i| whole[i] == first[i]), "{level:?}");
+        let error = |(a, b): (&u32, &u32)| (a >> 8 & 0xff).abs_diff(b >> 8 & 0xff);
+        let mean =
+            |other: &[u32]| whole.iter().zip(other).map(error).sum::<u32>() as f64 / whole.len() as f64;
+        // The plainest way to fill: each pixel takes the colour of the traced one to its upper left.
+        let s = level.spacing() as usize;
+        let blocky = (0..whole.len()).map(|i| whole[(i / 150 / s * s) * 150 + i % 150 / s * s]);
+        if matches!(level, Level::Sixteenth | Level::Quarter) {
+            assert!(mean(&first) < mean(&blocky.collect::<Vec<_>>()), "{level:?}");
+        }
+        errors.push(mean(&first));
+    }
+    assert!(errors.is_sorted_by(|a, b| a > b) && errors[3] == 0.0, "{errors:?}");
+}
+
+#[test]
+fn a_pass_that_is_late_or_halted_leaves_tiles_for_later() {
+    let scene = scene();
+    let expected = render(&scene, &RENDER, &Control::unattended()).unwrap().film.sha256();
+    let halt = AtomicBool::new(true);
+    refined(&scene, &RENDER, &halt, |session| {
+        let schedule = Schedule { strategy: Strategy::Stealing, film: FilmMode::Shared };
+        let targets = to(session, 64, Level::Full);
+        let past = Instant::now() - Duration::from_secs(1);
+        for limit in [Limit::Halt, Limit::Until(past)] {
+            let traced = session.trace(schedule, &targets, limit).unwrap();
+            assert!(!traced.complete && traced.rays.primary == 0, "{limit:?}");
+        }
+        let message = session.fill(schedule, &mut vec![]).unwrap_err().to_string();
+        assert!(message.contains("no pixels"), "{message}");
+        assert!(session.trace(schedule, &targets[..3], Limit::Whole).unwrap().complete);
+        halt.store(false, Ordering::Relaxed);
+        assert!(session.trace(schedule, &targets, Limit::Halt).unwrap().complete);
+        assert_eq!(session.film().sha256(), expected);
+    });
+}
+
+#[test]
+fn a_new_camera_forgets_every_pixel_of_the_last_one() {
+    let scene = scene();
+    let mut turned = scene.clone();
+    turned.camera.eye.y += 0.5;
+    let expected = render(&turned, &RENDER, &Control::unattended()).unwrap().film.sha256();
+    refined(&scene, &RENDER, &AtomicBool::new(false), |session| {
+        let targets = to(session, 64, Level::Full);
+        session.trace(RENDER.schedule, &targets[..2], Limit::Whole).unwrap();
+        session.begin(&turned.camera, &Tone::new(0.0));
+        assert_eq!(session.share(), 0.0);
+        wander(session, RENDER.schedule, &mut Random(5));
+        assert_eq!(session.film().sha256(), expected);
+    });
+}

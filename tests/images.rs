@@ -5,7 +5,7 @@ use irt::{
     bvh::BuildPreset,
     kernels::Isa,
     render::{RenderOptions, render},
-    scene::{Scene, procedural},
+    scene::{DepthOfField, Scene, procedural},
     schedule::{Control, Schedule},
     tile::Order,
     trace::KernelChoice,
@@ -59,6 +59,23 @@ fn threads_order_tile_size_and_tree_do_not_change_the_image() {
     }
     for build in BuildPreset::ALL {
         assert_eq!(hash(&scene, &RenderOptions { build, ..RENDER }), want, "{build} tree");
+    }
+}
+
+#[test]
+fn tiles_do_not_change_an_image_of_several_samples_nor_one_through_a_lens() {
+    let mut scene = scene("gallery");
+    scene.settings.samples = 3;
+    for lens in [None, Some(DepthOfField { aperture: 0.05, focus: 6.0 })] {
+        scene.settings.depth_of_field = lens;
+        let image = |tile| {
+            let options = RenderOptions { tile, ..RENDER };
+            render(&scene, &options, &Control::unattended()).expect("renders").film.sha256()
+        };
+        let want = image(64);
+        for tile in [7, 33, 48] {
+            assert_eq!(image(tile), want, "{lens:?}, tiles of {tile}");
+        }
     }
 }
 

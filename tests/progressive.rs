@@ -5,7 +5,7 @@ use crate::support::{RENDER, Random};
 use irt::{
     kernels::Isa,
     render::{Level, Limit, Progressive, RenderOptions, Stage, Target, Tone, render},
-    scene::{Scene, procedural},
+    scene::{DepthOfField, Scene, procedural},
     schedule::{Control, FilmMode, Machine, Placement, Schedule, Strategy},
     tile::Order,
 };
@@ -69,6 +69,21 @@ fn however_it_is_refined_the_image_is_that_of_a_plain_render() {
             assert_eq!(rays, 150 * 101, "each pixel is traced once");
             assert_eq!(session.film().sha256(), expected, "{isa} {schedule:?} {order}");
             assert_eq!(session.share(), 1.0);
+        });
+    }
+}
+
+#[test]
+fn an_image_of_several_samples_and_one_through_a_lens_are_refined_to_the_same_bits() {
+    let mut scene = scene();
+    scene.settings.samples = 3;
+    let mut random = Random(2);
+    for lens in [None, Some(DepthOfField { aperture: 0.05, focus: 6.0 })] {
+        scene.settings.depth_of_field = lens;
+        let expected = render(&scene, &RENDER, &Control::unattended()).unwrap().film.sha256();
+        refined(&scene, &RENDER, &AtomicBool::new(false), |session| {
+            wander(session, RENDER.schedule, &mut random);
+            assert_eq!(session.film().sha256(), expected, "{lens:?}");
         });
     }
 }

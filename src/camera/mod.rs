@@ -83,11 +83,6 @@ impl Camera {
         [self.first[0] + self.spacing * x, self.first[1] + self.spacing * y]
     }
 
-    /// Distance in the image of pixels that are asked for side by side.
-    pub fn spacing(&self) -> u32 {
-        self.spacing
-    }
-
     /// Unnormalised direction through the centre of a pixel.
     pub fn direction(&self, x: u32, y: u32) -> Vec3 {
         let [x, y] = self.image_pixel([x, y]);
@@ -142,7 +137,7 @@ impl Camera {
         let mut left = within;
         let mut used = 0;
         // The face of the first ray first: mostly it is that of all.
-        let first = self.face(at);
+        let first = self.face([0, 1].map(|axis| at[axis] + places[axis][0]));
         let mut others = Face::ALL.into_iter().filter(|&other| other != first);
         let mut face = first;
         while left != [0; SUBS] {

@@ -5,7 +5,7 @@ use super::{
     task::{RenderTask, Scratch, packet_corners},
 };
 use crate::{
-    camera::{Camera, PACKET_SIDE, pixel_of},
+    camera::{Camera, pixel_of},
     effects::{Effect, EffectChoice, EffectSet},
     kernels::{SUB, TILE_RAYS},
     scene::{DepthOfField, Scene},
@@ -114,16 +114,11 @@ impl<'a> Follow<'a> {
                 let pixel = camera.image_pixel([at[0] + x, at[1] + y]);
                 let moved = self.place(pixel, number);
                 for axis in 0..2 {
-                    let [inner, corner] = match camera.spacing() {
-                        1 => [[x, y][axis], 0],
-                        // Rounded as in the packet of adjacent pixels that it would be in: the image has one hash.
-                        _ => [pixel[axis] % PACKET_SIDE, pixel[axis] - pixel[axis] % PACKET_SIDE],
-                    };
-                    places[axis][ray] = (inner as f32 + moved[axis]) + corner as f32;
+                    // From the image's first pixel on: rounded alike in every packet, so that the image has one hash.
+                    places[axis][ray] = pixel[axis] as f32 + moved[axis];
                 }
             }
-            let from = if camera.spacing() == 1 { camera.image_pixel(at) } else { [0; 2] };
-            camera.jittered_rays(kernels, from, inside, &places, packets)
+            camera.jittered_rays(kernels, [0; 2], inside, &places, packets)
         });
     }
 
@@ -146,19 +141,23 @@ impl<'a> Follow<'a> {
         pixels: impl Iterator<Item = [u32; 2]>,
         number: u32,
     ) {
-        let mut pixels = pixels.enumerate().peekable();
+        let mut pixels = pixels.enumerate();
         scratch.path.begin_queue();
-        while pixels.peek().is_some() {
-            let some: Vec<(usize, [u32; 2])> = pixels.by_ref().take(SUB).collect();
+        loop {
+            let mut some = [(0, [0; 2]); SUB];
+            let count = some.iter_mut().zip(&mut pixels).map(|(slot, next)| *slot = next).count();
+            if count == 0 {
+                break;
+            }
             let mut squares = [[0.0; SUB]; 2];
-            for (lane, &(_, [x, y])) in some.iter().enumerate() {
-                let [x, y] = camera.image_pixel([x, y]);
+            for (lane, &(_, pixel)) in some[..count].iter().enumerate() {
+                let [x, y] = camera.image_pixel(pixel);
                 let key = pixel_key(x, y, self.integrator.seed);
                 let square = Samples::new(self.samples, key, Purpose::Lens as u32).get(number);
                 [squares[0][lane], squares[1][lane]] = square;
             }
             let [across, up] = self.integrator.traversal.kernels().run(Disc(&squares));
-            for (lane, (ray, [x, y])) in some.into_iter().enumerate() {
+            for (lane, (ray, [x, y])) in some.into_iter().take(count).enumerate() {
                 if x >= tile.x + tile.width || y >= tile.y + tile.height {
                     continue;
                 }

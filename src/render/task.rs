@@ -16,7 +16,7 @@ use crate::{
         LightRays, Meter, PathScratch, PathTable, RayTally, SurfaceTable, Surfaces, add_light, light_rays,
     },
     tile::Tile,
-    trace::{EarlyTermination, NO_OCCLUDER, PointShadows, RayStream, ShadowRays, Traced, Traversal},
+    trace::{EarlyTermination, NO_OCCLUDER, PointShadows, RayStream, Traversal},
 };
 use std::time::Duration;
 
@@ -226,24 +226,13 @@ impl RenderTask<'_> {
         meter.shade();
         let traced = match *light {
             Light::Point { position, .. } | Light::Spot { position, .. } => {
-                let wanted = ShadowRays {
-                    u: &rays.u,
-                    v: &rays.v,
-                    tfar: &rays.limit,
-                    skip: &surfaces.prim,
-                    face: &rays.face,
-                };
-                let origin = position.to_array();
-                shadows.trace(&self.traversal, origin, &wanted, &mut seeds[index], &mut rays.visible)
+                rays.trace_from(&self.traversal, position, surfaces, shadows, &mut seeds[index])
             }
             Light::Directional { direction, .. } => {
                 rays.directional_blocks(surfaces, direction, blocks);
-                blocked.clear();
-                blocked.resize(blocks.len(), 0);
-                let doubts = stream.occluded(&self.traversal, blocks, blocked);
-                rays.block(blocked);
-                let count = blocks.iter().map(|block| u64::from(block.active.count_ones())).sum();
-                Traced { rays: count, doubts }
+                let occluded =
+                    |blocks: &_, blocked: &mut _| stream.occluded(&self.traversal, blocks, blocked);
+                rays.trace_blocks(blocks, blocked, occluded)
             }
         };
         meter.rays.shadow += traced.rays;

@@ -6,9 +6,10 @@ use super::{
 };
 use crate::{
     camera::slopes,
-    kernels::{F32, I32, Kernel, Kernels, MISS, Mask, Ray, RayBlock, SUB, Simd},
+    kernels::{F32, I32, Kernel, Kernels, MISS, Mask, NodeRef, Ray, RayBlock, SUB, Simd},
     scene::{Falloff, Light},
     shade::power::power,
+    trace::{PointShadows, ShadowRays, Traced, Traversal, rays_in},
 };
 use glam::Vec3;
 
@@ -52,6 +53,35 @@ impl LightRays {
         self.blocks(blocks, |i| self.directional_ray(surfaces, i, direction));
     }
 
+    /// Traces the shadow rays of a light at `origin`, beginning with what blocked the last ones.
+    pub fn trace_from(
+        &mut self,
+        traversal: &Traversal,
+        origin: Vec3,
+        surfaces: &Surfaces,
+        shadows: &mut PointShadows,
+        seed: &mut NodeRef,
+    ) -> Traced {
+        let LightRays { u, v, limit, face, visible, .. } = self;
+        let rays = ShadowRays { u, v, tfar: limit, skip: &surfaces.prim, face };
+        shadows.trace(traversal, origin.to_array(), &rays, seed, visible)
+    }
+
+    /// Traces rays to the light that [`LightRays::directional_blocks`] made, with `occluded`, which marks blocked rays in its
+    /// second argument and returns how many pairs exact arithmetic decided.
+    pub fn trace_blocks(
+        &mut self,
+        blocks: &[RayBlock],
+        blocked: &mut Vec<u16>,
+        occluded: impl FnOnce(&[RayBlock], &mut [u16]) -> u64,
+    ) -> Traced {
+        blocked.clear();
+        blocked.resize(blocks.len(), 0);
+        let doubts = occluded(blocks, blocked);
+        self.block(blocked);
+        Traced { rays: rays_in(blocks), doubts }
+    }
+
     /// Rays from all surfaces that may be lit to any light: from `points` to a directional light, which are lifted off the
     /// surface, or from `starts`, which are off it already, to another.
     pub(super) fn towards(
@@ -85,7 +115,7 @@ impl LightRays {
     }
 
     /// Takes note of surfaces that nothing reaches: bits by block of sixteen.
-    pub fn block(&mut self, blocked: &[u16]) {
+    fn block(&mut self, blocked: &[u16]) {
         for (index, blocked) in blocked.iter().enumerate().filter(|(_, blocked)| **blocked != 0) {
             for lane in (0..SUB).filter(|lane| blocked >> lane & 1 != 0) {
                 self.visible[index * SUB + lane] = 0.0;

@@ -7,7 +7,7 @@ mod stream;
 
 pub use early::EarlyTermination;
 pub use shadow::{NO_OCCLUDER, PointShadows, ShadowRays, Traced};
-pub use stream::RayStream;
+pub use stream::{RayStream, rays_in};
 
 use crate::{
     bvh::Bvh,

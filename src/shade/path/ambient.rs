@@ -4,6 +4,7 @@ use super::{Integrator, PathScratch, Sample, random::Purpose, source::Around};
 use crate::{
     effects::Effect,
     kernels::{MISS, RayBlock, SUB},
+    trace::rays_in,
 };
 
 impl Integrator<'_> {
@@ -21,8 +22,8 @@ impl Integrator<'_> {
         }
         let Sample { surfaces, scratch, .. } = sample;
         let PathScratch { ground, open, .. } = &**scratch;
-        for ray in (0..surfaces.prim.len()).filter(|&ray| surfaces.prim[ray] != MISS).collect::<Vec<_>>() {
-            for k in 0..3 {
+        for ray in 0..surfaces.len() {
+            for k in (0..3).filter(|_| surfaces.prim[ray] != MISS) {
                 surfaces.color[k][ray] = ground.ke[k][ray] + ground.ambient[k][ray] * open[ray];
             }
         }
@@ -36,7 +37,7 @@ impl Integrator<'_> {
         blocks.resize(surfaces.len() / SUB, RayBlock::EMPTY);
         let kernels = self.traversal.kernels();
         kernels.run(Around { surfaces, ground, squares, reach, blocks });
-        meter.rays.ambient += blocks.iter().map(|block| u64::from(block.active.count_ones())).sum::<u64>();
+        meter.rays.ambient += rays_in(blocks);
         blocked.clear();
         blocked.resize(blocks.len(), 0);
         meter.shade();

@@ -12,7 +12,7 @@ use crate::{
     kernels::{MISS, RayBlock, SUB},
     scene::{AreaLight, Light},
     shade::{add_light, add_tinted_light, light_rays_to},
-    trace::ShadowRays,
+    trace::{Traced, rays_in},
 };
 use glam::Vec3;
 
@@ -46,35 +46,21 @@ impl Integrator<'_> {
         meter.shade();
         let shadowed = self.paths.set.has(Effect::HardShadows);
         let tinted = shadowed && self.paths.filters;
-        match *light {
-            _ if !shadowed => {}
+        let traced = match *light {
+            _ if !shadowed => Traced::default(),
             Light::Point { position, .. } | Light::Spot { position, .. } if !self.paths.filters => {
-                let stream = ShadowRays {
-                    u: &rays.u,
-                    v: &rays.v,
-                    tfar: &rays.limit,
-                    skip: &surfaces.prim,
-                    face: &rays.face,
-                };
-                let origin = position.to_array();
-                let traced =
-                    shadows.trace(&self.traversal, origin, &stream, &mut seeds[index], &mut rays.visible);
-                meter.rays.shadow += traced.rays;
-                meter.doubts.shadow += traced.doubts;
+                rays.trace_from(&self.traversal, position, surfaces, shadows, &mut seeds[index])
             }
             _ => {
                 rays.towards(light, surfaces, [&ground.end, &ground.out], blocks);
-                meter.rays.shadow += count(blocks);
-                blocked.clear();
-                blocked.resize(blocks.len(), 0);
-                meter.doubts.shadow += if tinted {
-                    filter.trace(self.paths, &self.traversal, stream, blocks, blocked)
-                } else {
-                    stream.occluded(&self.traversal, blocks, blocked)
-                };
-                rays.block(blocked);
+                rays.trace_blocks(blocks, blocked, |blocks, blocked| match tinted {
+                    true => filter.trace(self.paths, &self.traversal, stream, blocks, blocked),
+                    false => stream.occluded(&self.traversal, blocks, blocked),
+                })
             }
-        }
+        };
+        meter.rays.shadow += traced.rays;
+        meter.doubts.shadow += traced.doubts;
         meter.trace();
         match tinted {
             true => add_tinted_light(kernels, light, rays, &filter.tint, surfaces),
@@ -154,7 +140,7 @@ impl Integrator<'_> {
         let PathScratch { ground, blocks, blocked, arriving, stream, filter, .. } = &mut **scratch;
         blocked.clear();
         blocked.resize(blocks.len(), 0);
-        meter.rays.shadow += count(blocks);
+        meter.rays.shadow += rays_in(blocks);
         meter.shade();
         meter.doubts.shadow += if self.paths.filters {
             filter.trace(self.paths, &self.traversal, stream, blocks, blocked)
@@ -207,8 +193,4 @@ impl Chosen {
             self.value[k][ray] = value[k];
         }
     }
-}
-
-fn count(blocks: &[RayBlock]) -> u64 {
-    blocks.iter().map(|block| u64::from(block.active.count_ones())).sum()
 }

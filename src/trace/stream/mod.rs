@@ -51,6 +51,11 @@ impl Group {
     }
 }
 
+/// How many rays are active.
+pub fn rays_in(blocks: &[RayBlock]) -> u64 {
+    blocks.iter().map(|block| u64::from(block.active.count_ones())).sum()
+}
+
 /// Buffers for regrouping streams, reused from stream to stream.
 #[derive(Clone, Debug, Default)]
 pub struct RayStream {

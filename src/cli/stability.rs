@@ -73,11 +73,15 @@ fn options(args: &StabilityArgs) -> Result<StabilityOptions> {
         // The rest of the battery grows and shrinks with it.
         meshes: scaled(amounts.meshes, rays, amounts.rays),
         spawned: scaled(amounts.spawned, rays, amounts.rays),
-        images: amounts.images,
+        // Few tell what each option does on its own; more than these tell nothing new.
+        images: scaled(amounts.images, rays, amounts.rays).clamp(FEWEST_IMAGES, amounts.images),
         threads: args.threads.unwrap_or_else(|| Placement::new(Machine::get(), None, false).slots().len()),
         seed: args.seed,
     })
 }
+
+/// Of each scene: each value of each option alone, and some combinations.
+const FEWEST_IMAGES: u64 = 50;
 
 fn scaled(amount: u64, rays: u64, of: u64) -> u64 {
     (u128::from(amount) * u128::from(rays)).div_ceil(u128::from(of)) as u64

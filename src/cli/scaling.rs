@@ -132,11 +132,11 @@ fn told_costs(costs: &Costs, pin: bool) -> Result<String> {
         let seconds = overhead_per_tile(schedule, 1, pin)?;
         told += &format!("{strategy}: {} us per empty tile, one worker\n", micro(seconds));
     }
-    let Costs { send, latency, collect, steal, .. } = *costs;
+    let Costs { send, to_master, collect, steal, .. } = *costs;
     told += &format!(
         "message: {} us to send to who waits, {} us until it is read; report: {} us of the master; steal: {} us\n",
         micro(send),
-        micro(latency),
+        micro(to_master),
         micro(collect),
         micro(steal)
     );

@@ -1,4 +1,9 @@
-//! What messages, steals and tiles cost the scheduler on this machine, measured with tiles that do nothing.
+//! What messages, steals and tiles cost the scheduler on this machine: measured with tiles that do nothing, and seen in
+//! streams of one worker.
+//!
+//! Waking a thread costs several times more where its core has been idle for as long as a real tile takes than in a
+//! ping-pong of empty ones, most of all on virtual machines. So what one worker's messages took while it rendered counts,
+//! where there were enough of them.
 
 use crate::error::Result;
 use crate::film::Film;
@@ -15,16 +20,22 @@ const FRAMES: usize = 21;
 const SIDE: u32 = 128;
 /// ... and where the time per frame does.
 const SMALL_SIDE: u32 = 16;
+/// A stream with fewer messages than one for so many tiles tells little of what they cost.
+const TILES_PER_MESSAGE: f64 = 4.0;
 
 /// What the simulator charges, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Costs {
     /// The master, to end a frame and to begin another.
     pub prepare: f64,
-    /// The sender, to wake somebody who waits.
+    /// A worker, to wake the master.
     pub send: f64,
-    /// From a message's sending to the moment when somebody who waited for it goes on.
-    pub latency: f64,
+    /// The master, to wake a worker.
+    pub reply: f64,
+    /// From a report's sending to the moment when the master, who waited for it, goes on.
+    pub to_master: f64,
+    /// From an answer's sending to the moment when a worker that waited for it goes on.
+    pub to_worker: f64,
     /// The master, for a report.
     pub collect: f64,
     /// The master, for each tile in a report.
@@ -35,6 +46,8 @@ pub struct Costs {
     pub steal: f64,
     /// A worker whose core the master uses for a moment, beside the master's time.
     pub switch: f64,
+    /// The same worker, if another's report woke the master in the middle of a tile.
+    pub interrupt: f64,
     /// The master, for each byte of pixels that it gets as a message.
     pub per_byte: f64,
     /// With at least this many workers the master has no core of its own.
@@ -46,7 +59,8 @@ pub struct Costs {
 impl Costs {
     /// The same on a cluster: a network of `latency` seconds and `bits` per second, and a node for the master alone.
     pub(super) fn on_network(self, latency: f64, bits: f64) -> Costs {
-        Costs { latency, per_byte: self.per_byte + 8.0 / bits, cores: usize::MAX, ..self }
+        let per_byte = self.per_byte + 8.0 / bits;
+        Costs { to_master: latency, to_worker: latency, per_byte, cores: usize::MAX, ..self }
     }
 
     /// The same on a machine with a core for each of `workers` workers, and none for the master.
@@ -57,6 +71,35 @@ impl Costs {
     /// The same where tiles take `factor` times as long.
     pub(super) fn inflated(self, factor: f64) -> Costs {
         Costs { inflation: self.inflation * factor, ..self }
+    }
+
+    /// What streams of one worker show of them, if there were a message every few tiles.
+    pub(super) fn seen_in(self, streams: &[FrameStats], schedule: Schedule) -> Costs {
+        let sum = |of: fn(&FrameStats) -> f64| streams.iter().map(of).sum::<f64>();
+        let tiles = sum(|s| s.spans.len() as f64);
+        let (reports, awaited) = (sum(|s| s.reports.count as f64), sum(|s| s.reports.awaited as f64));
+        if awaited * TILES_PER_MESSAGE < tiles || awaited == 0.0 {
+            return self;
+        }
+        let waits = sum(|s| s.workers.iter().map(|worker| worker.idle.work + worker.idle.deliver).sum());
+        let others = sum(|s| s.workers.iter().map(|w| w.busy_seconds + w.idle.start + w.idle.tail).sum());
+        // What is left is the worker's own: bookkeeping, and waking the master.
+        let send = ((sum(|s| s.seconds) - others - waits - tiles * self.tile) / awaited).max(0.0);
+        let to_master = (sum(|s| s.reports.latency_sum) / awaited - send).max(0.0);
+        let work = sum(|s| s.master.reports);
+        let bytes = 12.0 * sum(|s| s.spans.iter().map(|span| span.tile.len() as f64).sum());
+        let rest = work - tiles * self.collect_tile;
+        // The answer is part of the master's work.
+        let (collect, per_byte) = match schedule.film {
+            FilmMode::Shared => ((rest / reports).max(0.0), self.per_byte),
+            FilmMode::Messages => (self.collect, ((rest - reports * self.collect) / bytes).max(0.0)),
+        };
+        let to_worker = if schedule.strategy.parcels() == 1 {
+            (waits / reports - to_master - work / reports).max(0.0)
+        } else {
+            to_master
+        };
+        Costs { send, reply: 0.0, to_master, to_worker, collect, per_byte, interrupt: send, ..self }
     }
 
     /// Measures them, in about a tenth of a second.
@@ -70,7 +113,6 @@ impl Costs {
         let small = frames(Strategy::Dynamic, SMALL_SIDE)?;
         let count = f64::from(SIDE * SIDE);
         let last = |stats: &FrameStats| stats.spans.iter().fold(0.0, |end: f64, span| end.max(span.end));
-        let latency = |stats: &FrameStats| (stats.tasks.latency() + stats.reports.latency()) / 2.0;
         let send = wake_seconds(FRAMES);
         // Of stealing all tiles are in one report.
         let collect_tile = quiet(&stealing, |stats| stats.master.reports / count);
@@ -80,7 +122,9 @@ impl Costs {
             // The first task wakes the worker.
             prepare: quiet(&small, |stats| (stats.master.frames - send).max(0.0)),
             send,
-            latency: quiet(&dynamic, latency),
+            reply: send,
+            to_master: quiet(&dynamic, |stats| stats.reports.latency()),
+            to_worker: quiet(&dynamic, |stats| stats.tasks.latency()),
             collect: (report - send - collect_tile).max(0.0),
             collect_tile,
             tile: quiet(&stealing, |stats| {
@@ -89,6 +133,7 @@ impl Costs {
             steal: steal_seconds(FRAMES),
             // To the master and back, each about what waking somebody costs.
             switch: 2.0 * send,
+            interrupt: send,
             per_byte: copy_seconds_per_byte(),
             cores: Machine::get().default_workers(),
             inflation: 1.0,
@@ -149,4 +194,75 @@ fn quiet(frames: &[FrameStats], of: impl Fn(&FrameStats) -> f64) -> f64 {
     let mut sorted: Vec<f64> = frames.iter().map(of).collect();
     sorted.sort_by(f64::total_cmp);
     sorted[sorted.len() / 4]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::schedule::{Idle, Pinned, Span, WorkerStats};
+
+    /// Streams of one worker that a simulation with known costs made: the costs are found in them.
+    #[test]
+    fn what_messages_cost_one_worker_is_found_in_its_streams() {
+        let costs = Costs {
+            prepare: 0.0,
+            send: 2.0,
+            reply: 0.0,
+            to_master: 3.0,
+            to_worker: 5.0,
+            collect: 7.0,
+            collect_tile: 0.5,
+            tile: 0.25,
+            steal: 0.0,
+            switch: 0.0,
+            interrupt: 0.0,
+            per_byte: 0.0,
+            cores: 2,
+            inflation: 1.0,
+        };
+        // Round trips of ten tiles of 100, but for the last one's answer.
+        let spans = (0..10).map(|i| {
+            let start = 5.0 + f64::from(i) * (100.0 + 0.25 + 2.0 + 3.0 + 7.5 + 5.0);
+            Span {
+                frame: 0,
+                worker: 0,
+                tile: Tile { x: i, y: 0, width: 1, height: 1 },
+                start,
+                end: start + 100.0,
+            }
+        });
+        let work = 9.0 * (3.0 + 7.5 + 5.0);
+        let tail = 0.25 + 2.0 + 3.0 + 7.5;
+        let mut stats = FrameStats {
+            frames: 1,
+            spans: spans.collect(),
+            workers: vec![WorkerStats {
+                pinned: Pinned::Free,
+                busy_seconds: 1000.0,
+                tiles: 10,
+                idle: Idle { start: 5.0, work, deliver: 0.0, tail: tail - 0.25 - 2.0 },
+                steals: 0,
+            }],
+            ..FrameStats::default()
+        };
+        stats.seconds = 5.0 + 1000.0 + work + 10.0 * 2.25 + tail - 2.25;
+        stats.reports.count = 10;
+        stats.reports.awaited = 10;
+        stats.reports.latency_sum = 10.0 * (2.0 + 3.0);
+        stats.master.reports = 10.0 * 7.5;
+        let blind = Costs { send: 0.1, to_master: 0.1, to_worker: 0.1, collect: 0.1, ..costs };
+        let dynamic = Schedule { strategy: Strategy::Dynamic, film: FilmMode::Shared };
+        let seen = blind.seen_in(std::slice::from_ref(&stats), dynamic);
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
+        assert!(near(seen.send, 2.0) && near(seen.to_master, 3.0) && near(seen.collect, 7.0), "{seen:?}");
+        // Nine waits for ten reports: the last one's answer never comes.
+        assert!(near(seen.to_worker, work / 10.0 - 3.0 - 7.5), "{seen:?}");
+        assert_eq!(seen.interrupt, seen.send);
+        // As messages, the master's time is that of copying.
+        let messages = blind.seen_in(&[stats.clone()], Schedule { film: FilmMode::Messages, ..dynamic });
+        assert!(near(messages.per_byte, (75.0 - 10.0 * 0.1 - 10.0 * 0.5) / (12.0 * 10.0)), "{messages:?}");
+        // Two reports of ten tiles tell nothing.
+        stats.reports.awaited = 2;
+        assert_eq!(blind.seen_in(&[stats], dynamic), blind);
+    }
 }

@@ -218,6 +218,12 @@ impl TileCosts {
         TileCosts { seconds, map }
     }
 
+    /// By which factor the tiles of a stream took longer than these.
+    pub(super) fn inflation(&self, stream: &FrameStats) -> f64 {
+        let took: f64 = stream.spans.iter().map(|span| span.end - span.start).sum();
+        took / stream.spans.iter().map(|span| self.of(span.tile)).sum::<f64>()
+    }
+
     /// What frames of `tiles` would take `workers` workers.
     pub(super) fn simulate(
         &self,

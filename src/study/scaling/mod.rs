@@ -69,7 +69,7 @@ pub struct ScalingRow {
     /// By which factor a tile took longer than one worker alone took for it, in the same round: the median. What cores
     /// share, and what others take from them; no scheduler can help it. Of a simulated row, what it was told.
     pub inflation: f64,
-    /// Of a measured row: what the simulator says, told the inflation.
+    /// Of a measured row: what the simulator says, told the inflation without what the master took from tiles.
     pub predicted: Option<f64>,
     /// The stream of the median round.
     pub frame: FrameStats,
@@ -107,6 +107,9 @@ impl ScalingRow {
         limits
     }
 }
+
+/// The simulator is never told that tiles became cheaper than this.
+const LEAST_INFLATION: f64 = 0.5;
 
 /// Measures and simulates one scene.
 ///
@@ -162,7 +165,7 @@ impl Study<'_> {
         let Some(one) = of(1) else { return vec![] };
         let row = |&workers: &usize| match of(workers) {
             Some(measured) => self.measured(measured, one, tiles),
-            None => self.simulated(schedule, workers, tiles),
+            None => self.simulated(one, workers, tiles),
         };
         self.options.workers.iter().map(row).collect()
     }
@@ -172,7 +175,10 @@ impl Study<'_> {
         let against = |one: f64, many: f64| one / (workers as f64 * many);
         let ratios: Vec<f64> = alone.iter().zip(&seconds).map(|(&one, &many)| against(one, many)).collect();
         let inflation = measured.inflation(one);
-        let (predicted, _) = self.predict(measured.schedule, workers, tiles, inflation);
+        let predict = |inflation| self.predict(one, workers, tiles, inflation);
+        // What the master takes from tiles is not the machine's, but the simulator's to find.
+        let (_, apart) = predict(1.0);
+        let (predicted, _) = predict((inflation / tiles.inflation(&apart)).max(LEAST_INFLATION));
         ScalingRow {
             simulated: false,
             efficiency: median(&ratios),
@@ -185,9 +191,9 @@ impl Study<'_> {
         }
     }
 
-    fn simulated(&self, schedule: Schedule, workers: usize, tiles: &TileCosts) -> ScalingRow {
+    fn simulated(&self, one: &Measured, workers: usize, tiles: &TileCosts) -> ScalingRow {
         let inflation = self.options.inflation;
-        let (efficiency, frame) = self.predict(schedule, workers, tiles, inflation);
+        let (efficiency, frame) = self.predict(one, workers, tiles, inflation);
         ScalingRow {
             simulated: true,
             seconds: vec![frame.per_frame()],
@@ -195,26 +201,28 @@ impl Study<'_> {
             fastest: efficiency,
             inflation,
             frame,
-            ..self.row(schedule, workers)
+            ..self.row(one.schedule, workers)
         }
     }
 
     /// Efficiency and stream as the simulator has them.
     fn predict(
         &self,
-        schedule: Schedule,
+        one: &Measured,
         workers: usize,
         tiles: &TileCosts,
         inflation: f64,
     ) -> (f64, FrameStats) {
-        let costs = match self.options.network {
-            _ if workers <= self.cores => *self.costs,
-            Some((latency, bits)) => self.costs.on_network(latency, bits),
-            None => self.costs.on_cores(workers),
+        let schedule = one.schedule;
+        let seen = self.costs.seen_in(&one.streams, schedule);
+        let (alone, costs) = match self.options.network {
+            _ if workers <= self.cores => (seen, seen),
+            Some((latency, bits)) => (*self.costs, self.costs.on_network(latency, bits)),
+            None => (seen, seen.on_cores(workers)),
         };
         let longest = if workers <= self.cores { LONGEST_MEASURED } else { LONGEST_SIMULATED };
         let flow = self.options.flow.of(workers, longest);
-        let one = tiles.simulate(schedule, 1, self.options.flow, self.base, self.costs);
+        let one = tiles.simulate(schedule, 1, self.options.flow, self.base, &alone);
         let many = tiles.simulate(schedule, workers, flow, self.base, &costs.inflated(inflation));
         (one.per_frame() / (workers as f64 * many.per_frame()), many)
     }

@@ -9,9 +9,10 @@
 //!   master                [collect][reply]--
 //! ```
 //!
-//! A message to somebody who waits takes `latency`, and `send` of its sender's time; one to somebody who is busy lies
-//! there until he looks. The master handles reports in the order of their arrival. Where it has no core of its own, a
-//! worker loses the time that the master takes, unless one waits anyway.
+//! A message to somebody who waits takes a latency, and some of its sender's time; one to somebody who is busy lies
+//! there until he looks. The master handles reports in the order of their arrival. Where it has no core of its own, it
+//! lives on that of one worker, as systems leave it: that one pays no wake-ups of its own, but what the master does for the
+//! others is taken from its tiles. Only where another has been idle for long does the master move there.
 
 mod state;
 
@@ -23,6 +24,9 @@ use crate::schedule::{
 use state::{Event, Flight, Report, Task, What, Worker, take_first};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
+
+/// A core that has been idle for so many seconds is where the system moves a thread that has to share one.
+const LONG_IDLE: f64 = 0.5e-3;
 
 /// How many frames follow each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -191,9 +195,18 @@ impl<'a> Simulation<'a> {
         self.flights.iter_mut().find(|flight| flight.number == frame)
     }
 
+    /// The worker on whose core the master lives, if it has none of its own.
+    fn host(&self) -> Option<usize> {
+        (self.workers.len() >= self.costs.cores).then(|| self.workers.len() - 1)
+    }
+
     /// The master lays something on a worker's desk, and wakes it if it waits.
     fn lay(&mut self, worker: usize, parcel: bool, task: Option<Task>) {
-        let Costs { send, latency, .. } = *self.costs;
+        let (reply, latency) = match self.host() == Some(worker) {
+            // It goes on when the master lies down.
+            true => (0.0, self.costs.switch),
+            false => (self.costs.reply, self.costs.to_worker),
+        };
         if let Some(Task { frame, .. }) = task
             && let Some(flight) = self.flight(frame)
         {
@@ -209,8 +222,9 @@ impl<'a> Simulation<'a> {
         }
         // Who sleeps is woken once: then it has an event.
         if let Some((start, deliver)) = desk.waits.take() {
-            self.master_free += send;
+            self.master_free += reply;
             let end = self.master_free + latency;
+            desk.wakes = end;
             self.pauses.push(Pause { worker, start, end, deliver });
             self.at(end, What::Look(worker));
         }
@@ -238,8 +252,8 @@ impl<'a> Simulation<'a> {
         let Some(replay) = self.flight(frame).map(|flight| flight.replay) else { return };
         let Replay { plan, seconds } = &self.replays[replay];
         let desk = &mut self.workers[worker];
-        let start = now + std::mem::take(&mut desk.debt);
-        let end = start + seconds[place] * self.costs.inflation;
+        let start = now;
+        let end = start + std::mem::take(&mut desk.debt) + seconds[place] * self.costs.inflation;
         desk.filled.0 += 1;
         desk.filled.1 += plan.tiles[place].len();
         self.spans.push(Span { frame, worker, tile: plan.tiles[place], start, end });
@@ -283,9 +297,9 @@ impl<'a> Simulation<'a> {
         if finished {
             desk.task = None;
         }
-        // Who finds the master asleep wakes it.
-        let (wakes, latency) =
-            if now >= self.master_free { (self.costs.send, self.costs.latency) } else { (0.0, 0.0) };
+        // Who finds the master asleep wakes it; on the same core it goes on at once.
+        let asleep = now >= self.master_free && self.host() != Some(worker);
+        let (wakes, latency) = if asleep { (self.costs.send, self.costs.to_master) } else { (0.0, 0.0) };
         let arrives = now + wakes + latency;
         self.reports.count += 1;
         self.at(arrives, What::Arrive(Report { worker, frame, tiles, pixels, finished }));
@@ -308,17 +322,21 @@ impl<'a> Simulation<'a> {
         let next = if report.finished { self.next_task() } else { None };
         self.lay(report.worker, true, next);
         self.begin_frames(self.master_free);
-        if self.workers.len() >= self.costs.cores {
-            self.take_from_a_worker(self.master_free - begin);
+        if let Some(host) = self.host() {
+            self.take_from(host, report.worker, begin);
         }
         self.end = self.end.max(self.master_free);
     }
 
-    /// The master ran for `seconds` on the core of a worker; idle ones come first.
-    fn take_from_a_worker(&mut self, seconds: f64) {
-        if self.workers.iter().all(|worker| worker.waits.is_none()) {
-            let loser = self.number as usize % self.workers.len();
-            self.workers[loser].debt += seconds + self.costs.switch;
+    /// The master ran from `begin` on for a report of `reporter`, on the core of `host` unless another is long idle.
+    fn take_from(&mut self, host: usize, reporter: usize, begin: f64) {
+        let idle = |worker: &Worker| worker.waits.is_some_and(|(since, _)| begin - since > LONG_IDLE);
+        // Who has just been woken has an event, and who waits has time.
+        let busy = self.workers[host].waits.is_none() && self.workers[host].wakes <= begin;
+        if busy && !self.workers.iter().any(idle) {
+            let Costs { switch, interrupt, .. } = *self.costs;
+            let extra = if reporter == host { switch } else { switch + interrupt };
+            self.workers[host].debt += self.master_free - begin + extra;
         }
     }
 

@@ -52,6 +52,8 @@ pub(super) struct Worker {
     pub(super) parcels: usize,
     /// Since when, and for what it waits; it has no event then.
     pub(super) waits: Option<(f64, bool)>,
+    /// When it goes on, or went on, after it waited.
+    pub(super) wakes: f64,
     /// Results in the parcel being filled: tiles, pixels.
     pub(super) filled: (usize, usize),
     /// Time that the master took from it.

@@ -7,12 +7,15 @@ use crate::tile::{Order, Tile, tiles};
 const FREE: Costs = Costs {
     prepare: 0.0,
     send: 0.0,
-    latency: 0.0,
+    reply: 0.0,
+    to_master: 0.0,
+    to_worker: 0.0,
     collect: 0.0,
     collect_tile: 0.0,
     tile: 0.0,
     steal: 0.0,
     switch: 0.0,
+    interrupt: 0.0,
     per_byte: 0.0,
     cores: usize::MAX,
     inflation: 1.0,
@@ -46,7 +49,16 @@ fn given(strategy: Strategy, workers: usize, flow: Flow, seconds: &[f64], costs:
 
 #[test]
 fn every_tile_runs_once_and_no_worker_does_two_things_at_once() {
-    let costs = Costs { latency: 0.3, send: 0.1, collect: 0.2, steal: 0.1, cores: 1, ..FREE };
+    let costs = Costs {
+        to_master: 0.3,
+        to_worker: 0.3,
+        send: 0.1,
+        reply: 0.1,
+        collect: 0.2,
+        steal: 0.1,
+        cores: 1,
+        ..FREE
+    };
     for schedule in Schedule::all() {
         for workers in [1, 2, 7, 300] {
             let stats = frame(schedule, workers, 64, &costs);
@@ -87,7 +99,7 @@ fn one_dear_tile_is_the_bound_that_stealing_reaches_and_static_does_not() {
 
 #[test]
 fn by_hand_dynamic_pays_a_round_trip_for_each_tile_and_overlap_does_not() {
-    let costs = Costs { latency: 1.0, ..FREE };
+    let costs = Costs { to_master: 1.0, to_worker: 1.0, ..FREE };
     let time = |strategy, film| frame(Schedule { strategy, film }, 1, 16, &costs).seconds;
     // 16 tiles of 16: the way to the worker, the tiles, the way to the master after each, and back between them.
     for film in FilmMode::ALL {
@@ -114,7 +126,7 @@ fn a_master_that_copies_for_too_long_holds_everybody_up() {
 
 #[test]
 fn where_only_messages_take_time_every_moment_is_a_tile_or_a_known_wait() {
-    let costs = Costs { latency: 3.0, per_byte: 0.01, ..FREE };
+    let costs = Costs { to_master: 3.0, to_worker: 3.0, per_byte: 0.01, ..FREE };
     for schedule in Schedule::all() {
         for workers in [1, 2, 5] {
             let stats = frame(schedule, workers, 64, &costs);
@@ -133,8 +145,17 @@ fn where_only_messages_take_time_every_moment_is_a_tile_or_a_known_wait() {
 
 #[test]
 fn by_hand_every_step_of_a_round_trip_takes_its_time() {
-    let costs =
-        Costs { prepare: 5.0, send: 1.0, latency: 2.0, collect: 3.0, collect_tile: 0.5, tile: 0.25, ..FREE };
+    let costs = Costs {
+        prepare: 5.0,
+        send: 1.0,
+        reply: 1.0,
+        to_master: 2.0,
+        to_worker: 2.0,
+        collect: 3.0,
+        collect_tile: 0.5,
+        tile: 0.25,
+        ..FREE
+    };
     let schedule = Schedule { strategy: Strategy::Dynamic, film: FilmMode::Shared };
     let seconds = frame(schedule, 1, 16, &costs).seconds;
     // Before the first tile: prepare, send, latency. A tile, its bookkeeping and report: 16 + 0.25 + (1 + 2) + 3.5.
@@ -148,9 +169,40 @@ fn by_hand_a_master_without_a_core_takes_that_of_its_worker() {
     let costs = Costs { collect: 3.0, switch: 1.0, ..FREE };
     let schedule = Schedule { strategy: Strategy::NonBlocking, film: FilmMode::Shared };
     let time = |cores| frame(schedule, 1, 16, &Costs { cores, ..costs }).seconds;
-    // After each tile but the last one the worker stands still for the report and two switches.
-    assert!((time(1) - (256.0 + 15.0 * 4.0 + 3.0)).abs() < 1e-6, "{}", time(1));
+    // It is woken by a switch; after each tile but the last one it stands still for the report and two switches.
+    assert!((time(1) - (1.0 + 256.0 + 15.0 * 4.0 + 3.0)).abs() < 1e-6, "{}", time(1));
     assert!((time(2) - (256.0 + 3.0)).abs() < 1e-6, "{}", time(2));
+}
+
+#[test]
+fn by_hand_the_host_of_the_master_pays_for_the_reports_of_others_and_saves_its_own_wake_ups() {
+    let costs = Costs { collect: 1.0, interrupt: 2.0, to_master: 0.5, to_worker: 0.5, cores: 2, ..FREE };
+    // Two tiles each, a report at the end.
+    let seconds = [4.0, 4.0, 40.0, 40.0];
+    let stats = given(Strategy::StaticCyclic, 2, Flow::ONE, &seconds, &costs);
+    let ends = |worker| stats.spans.iter().filter(move |s| s.worker == worker).map(|s| s.end - s.start);
+    assert_eq!(ends(0).sum::<f64>(), 4.0 + 40.0, "nobody takes from it");
+    let dynamic = given(Strategy::Dynamic, 2, Flow::ONE, &[10.0, 35.0, 10.0, 10.0], &costs);
+    let of = |worker| dynamic.spans.iter().filter(move |s| s.worker == worker);
+    // The other one comes three times while the host is on its one tile, and pays its way there and back.
+    assert_eq!([of(0).count(), of(1).count()], [3, 1]);
+    let starts: Vec<f64> = of(0).map(|span| span.start).collect();
+    assert_eq!(starts, [0.5, 12.5, 24.5]);
+    let next = given(Strategy::Dynamic, 2, Flow::ONE, &[10.0, 15.0, 10.0, 10.0], &costs);
+    let last = next.spans.iter().find(|s| s.worker == 1 && s.start > 1.0).unwrap();
+    // Its own report, the tile, and the other's report with the interruption.
+    assert_eq!(last.end, 15.0 + 1.0 + 10.0 + (1.0 + 2.0), "taken from the tile after");
+}
+
+#[test]
+fn the_master_moves_to_a_core_that_is_idle_for_long() {
+    let costs = Costs { collect: 1e-4, interrupt: 1e-4, cores: 3, ..FREE };
+    // The first worker has nothing to do after its one tile; the host is on a long one.
+    let mut seconds = vec![1e-3; 16];
+    seconds[4..8].fill(1.0);
+    let stats = given(Strategy::Static, 3, Flow::ONE, &seconds, &costs);
+    let taken: f64 = stats.spans.iter().map(|s| s.end - s.start).sum::<f64>() - seconds.iter().sum::<f64>();
+    assert!(taken < 2e-4 + 1e-9, "{taken}");
 }
 
 #[test]
@@ -163,7 +215,17 @@ fn a_steal_takes_its_time() {
 
 #[test]
 fn every_frame_of_a_stream_is_whole_and_not_too_many_are_in_flight() {
-    let costs = Costs { latency: 0.3, send: 0.1, collect: 0.2, steal: 0.1, prepare: 1.0, cores: 1, ..FREE };
+    let costs = Costs {
+        to_master: 0.3,
+        to_worker: 0.3,
+        send: 0.1,
+        reply: 0.1,
+        collect: 0.2,
+        steal: 0.1,
+        prepare: 1.0,
+        cores: 1,
+        ..FREE
+    };
     for schedule in Schedule::all() {
         for workers in [1, 2, 7, 300] {
             for (frames, in_flight) in [(1, 3), (5, 1), (5, 2), (4, 3)] {
@@ -201,7 +263,7 @@ fn with_frames_in_flight_nobody_waits_at_their_ends() {
 
 #[test]
 fn inflation_is_in_every_tile_and_nowhere_else() {
-    let costs = Costs { latency: 2.0, ..FREE };
+    let costs = Costs { to_master: 2.0, to_worker: 2.0, ..FREE };
     let schedule = Schedule { strategy: Strategy::NonBlocking, film: FilmMode::Shared };
     let seconds = frame(schedule, 1, 16, &costs.inflated(1.5)).seconds;
     assert!((seconds - (2.0 + 1.5 * 256.0 + 2.0)).abs() < 1e-6, "{seconds}");

@@ -119,6 +119,26 @@ fn all_kernels_agree_on_random_triangles() {
     assert!(hits > 1000, "only {hits} rays hit anything: the test proves little");
 }
 
+#[test]
+fn all_kernels_agree_on_triangles_that_have_moved() {
+    let mut random = Random(9);
+    let mut mesh = soup(3, 300, 0.3);
+    let mut bvh = build(&mesh);
+    // The same rays at every moment: what kernels remember of an origin must not outlive the triangles it was found with.
+    let packets: Vec<TilePacket> =
+        [0.05, 0.4].map(|spread| random_packet(&mut random, Vec3::ZERO, spread)).into();
+    let mut hits = 0;
+    for moment in 0..6 {
+        for packet in &packets {
+            hits += check_packet(&format!("moment {moment}"), &mesh, &bvh, packet);
+        }
+        mesh.positions.iter_mut().for_each(|position| *position += 0.1 * random.vec());
+        bvh.refit(&mesh);
+        bvh.validate(&mesh).unwrap_or_else(|violation| panic!("moment {moment}: {violation}"));
+    }
+    assert!(hits > 300, "only {hits} rays hit anything: the test proves little");
+}
+
 fn random_vec(seed: usize) -> Vec3 {
     Random(seed as u64 + 77).vec()
 }

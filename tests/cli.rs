@@ -2,6 +2,7 @@
 
 mod bench;
 mod coherence;
+mod motion;
 mod render;
 mod scaling;
 mod scenes;

@@ -17,6 +17,7 @@ mod progressive; // images refined step by step
 mod properties; // hits against rational numbers, on random input
 mod rational; // the exact oracle
 mod reported; // defects reported of other ray tracers
+mod motion; // trees and images of what moves
 mod probe; // the counting kernel against brute force
 mod scene_load; // readers, scene descriptions, names
 mod spawn; // rays that start on surfaces

@@ -3,6 +3,7 @@
 mod description;
 mod effects;
 mod mesh;
+mod motion;
 mod pictures;
 
 use crate::support::Random;

@@ -2,15 +2,12 @@
 
 use super::{
     binary::Builder,
-    collapse::collapse,
+    collapse::{Wide, collapse},
     merged::merged,
     reference::{references, room},
     split::Task,
 };
-use crate::{
-    kernels::{EMPTY_NODE, Node, NodeRef, TriBlock},
-    scene::TriangleMesh,
-};
+use crate::{kernels::EMPTY_NODE, scene::TriangleMesh};
 use rayon::prelude::*;
 use std::{fmt, str::FromStr};
 
@@ -58,9 +55,9 @@ impl FromStr for BuildPreset {
 }
 
 /// The wide tree over a mesh.
-pub(super) fn wide(mesh: &TriangleMesh, preset: BuildPreset) -> (Vec<Node>, Vec<TriBlock>, NodeRef) {
+pub(super) fn wide(mesh: &TriangleMesh, preset: BuildPreset) -> Wide {
     if mesh.is_empty() {
-        return (Vec::new(), Vec::new(), EMPTY_NODE);
+        return Wide { nodes: Vec::new(), blocks: Vec::new(), root: EMPTY_NODE, pieces: vec![0, 0] };
     }
     if preset == BuildPreset::Slow
         && let Some(tree) = merged(mesh)

@@ -23,13 +23,23 @@ struct Piece {
     packer: Packer,
 }
 
-/// The wide tree: nodes, triangle blocks, root.
-pub(super) fn collapse(tree: &Tree, mesh: &TriangleMesh) -> (Vec<Node>, Vec<TriBlock>, NodeRef) {
-    let mut top = Wide::new(tree, mesh, GRAIN);
+/// The wide tree.
+pub(super) struct Wide {
+    pub(super) nodes: Vec<Node>,
+    pub(super) blocks: Vec<TriBlock>,
+    pub(super) root: NodeRef,
+    /// Where the nodes of each piece start, the top first, and the end. Children are in their parent's piece and behind it,
+    /// or, of the top, anywhere behind.
+    pub(super) pieces: Vec<usize>,
+}
+
+/// The wide tree for a binary one.
+pub(super) fn collapse(tree: &Tree, mesh: &TriangleMesh) -> Wide {
+    let mut top = Emitter::new(tree, mesh, GRAIN);
     let root = top.emit(Place { grain: TOP, index: 0 });
     let later = std::mem::take(&mut top.later);
     let emit = |&(_, _, place): &(usize, usize, Place)| {
-        let mut wide = Wide::new(tree, mesh, 0);
+        let mut wide = Emitter::new(tree, mesh, 0);
         wide.emit(place);
         wide.piece
     };
@@ -57,7 +67,7 @@ pub(super) fn collapse(tree: &Tree, mesh: &TriangleMesh) -> (Vec<Node>, Vec<TriB
         let (piece, at) = find(&starts.blocks, i);
         pieces[piece].packer.blocks[at]
     });
-    (nodes.collect(), blocks.collect(), root)
+    Wide { nodes: nodes.collect(), blocks: blocks.collect(), root, pieces: starts.nodes }
 }
 
 /// Where the nodes and blocks of each piece start when all are put one behind the other; the end is the last.
@@ -101,7 +111,7 @@ struct Place {
     index: u32,
 }
 
-struct Wide<'a> {
+struct Emitter<'a> {
     tree: &'a Tree,
     mesh: &'a TriangleMesh,
     piece: Piece,
@@ -114,10 +124,10 @@ struct Wide<'a> {
     later: Vec<(usize, usize, Place)>,
 }
 
-impl<'a> Wide<'a> {
-    fn new(tree: &'a Tree, mesh: &'a TriangleMesh, small: u32) -> Wide<'a> {
+impl<'a> Emitter<'a> {
+    fn new(tree: &'a Tree, mesh: &'a TriangleMesh, small: u32) -> Emitter<'a> {
         let (piece, prims) = (Piece::default(), Vec::with_capacity(LEAF_MAX as usize));
-        Wide { tree, mesh, piece, prims, stack: Vec::new(), small, later: Vec::new() }
+        Emitter { tree, mesh, piece, prims, stack: Vec::new(), small, later: Vec::new() }
     }
 
     /// Emits a subtree; returns the reference to its root, which is node 0 unless it is a leaf.

@@ -9,6 +9,8 @@
 //! does not depend on their number. `slow` takes its binary tree from obvhs, which is also a baseline of its own; no
 //! other module names it.
 //!
+//! Where triangles move, the tree is fitted to their new places, or built anew ([`Bvh::follow`]).
+//!
 //! Boxes always enclose whole triangles, because the kernels' proof that no hit is lost needs every vertex inside
 //! every box above it.
 
@@ -20,12 +22,14 @@ mod collapse;
 mod merged;
 mod pack;
 mod reference;
+mod refit;
 mod report;
 mod split;
 mod validate;
 
 pub use baseline::Baseline;
 pub use build::BuildPreset;
+pub use refit::{Update, WORN};
 pub use report::TreeReport;
 pub use validate::Violation;
 
@@ -34,6 +38,7 @@ use crate::{
     kernels::{BvhView, MAX_DEPTH, Node, NodeRef, TriBlock},
     scene::TriangleMesh,
 };
+use collapse::Wide;
 use std::time::{Duration, Instant};
 
 /// An 8-wide tree with its triangles.
@@ -44,6 +49,11 @@ pub struct Bvh {
     root: NodeRef,
     id: u64,
     build_time: Duration,
+    /// Where each run of nodes starts whose children are in the same run, behind their parents; the first run is the top,
+    /// whose children may be anywhere behind. The end is the last.
+    pieces: Vec<usize>,
+    /// Its cost when it was built, once somebody has asked.
+    built_cost: Option<f64>,
 }
 
 impl Bvh {
@@ -53,8 +63,9 @@ impl Bvh {
     /// [`Error::Failed`] if the geometry is so degenerate that the tree gets deeper than the kernels' stacks.
     pub fn build(mesh: &TriangleMesh, preset: BuildPreset) -> Result<Bvh> {
         let start = Instant::now();
-        let (nodes, blocks, root) = build::wide(mesh, preset);
-        let bvh = Bvh { nodes, blocks, root, id: BvhView::fresh_id(), build_time: start.elapsed() };
+        let Wide { nodes, blocks, root, pieces } = build::wide(mesh, preset);
+        let id = BvhView::fresh_id();
+        let bvh = Bvh { nodes, blocks, root, id, build_time: start.elapsed(), pieces, built_cost: None };
         let depth = bvh.depth();
         if depth > MAX_DEPTH {
             return Err(Error::Failed(format!(

@@ -5,7 +5,7 @@ use super::{
     choice::{LEAF_COST, NODE_COST, TRIANGLE_COST},
 };
 use crate::{
-    kernels::{NodeKind, NodeRef},
+    kernels::{EMPTY_NODE, NodeKind, NodeRef},
     math::Aabb,
 };
 use glam::Vec3;
@@ -40,41 +40,48 @@ impl Bvh {
     pub fn report(&self) -> TreeReport {
         let mut report = TreeReport { bytes: self.bytes(), ..TreeReport::default() };
         let mut children = 0usize;
-        let mut cost = 0.0f64;
-        let root_area = f64::from(self.root_bounds().half_area());
-        let mut stack = vec![(self.root, root_area, 1usize)];
-        while let Some((node, area, depth)) = stack.pop() {
+        let mut stack = vec![(self.root, 1usize)];
+        while let Some((node, depth)) = stack.pop() {
             match node.kind() {
                 NodeKind::Empty => continue,
                 NodeKind::Inner(index) => {
                     report.nodes += 1;
-                    cost += area * f64::from(NODE_COST);
-                    for (slot, &child) in self.nodes[index].child.iter().enumerate() {
-                        if child.kind() != NodeKind::Empty {
-                            children += 1;
-                            stack.push((
-                                child,
-                                f64::from(self.child_bounds(index, slot).half_area()),
-                                depth + 1,
-                            ));
-                        }
+                    for &child in self.nodes[index].child.iter().filter(|child| **child != EMPTY_NODE) {
+                        children += 1;
+                        stack.push((child, depth + 1));
                     }
                 }
                 NodeKind::Leaf { count, .. } => {
                     report.leaves += 1;
                     report.triangles += count as usize;
-                    cost += area * f64::from(LEAF_COST + TRIANGLE_COST * count as f32);
                 }
             }
             report.depth = report.depth.max(depth);
         }
         let per = |a: f64, b: usize| if b == 0 { 0.0 } else { a / b as f64 };
-        report.sah_cost = if root_area > 0.0 { cost / root_area } else { 0.0 };
+        report.sah_cost = self.sah_cost();
         report.children_per_node = per(children as f64, report.nodes);
         report.triangles_per_leaf = per(report.triangles as f64, report.leaves);
         report.block_fill = per(report.triangles as f64, 8 * self.blocks.len());
         report.bytes_per_triangle = per(report.bytes as f64, report.triangles);
         report
+    }
+
+    /// Expected cost of a random ray that meets the root, by the surface area heuristic; visiting one node costs 1.
+    pub fn sah_cost(&self) -> f64 {
+        let root_area = f64::from(self.root_bounds().half_area());
+        let cost = |node: NodeRef| match node.kind() {
+            NodeKind::Empty => 0.0,
+            NodeKind::Inner(_) => f64::from(NODE_COST),
+            NodeKind::Leaf { count, .. } => f64::from(LEAF_COST + TRIANGLE_COST * count as f32),
+        };
+        let mut sum = root_area * cost(self.root);
+        for (index, node) in self.nodes.iter().enumerate() {
+            for (slot, &child) in node.child.iter().enumerate().filter(|(_, child)| **child != EMPTY_NODE) {
+                sum += f64::from(self.child_bounds(index, slot).half_area()) * cost(child);
+            }
+        }
+        if root_area > 0.0 { sum / root_area } else { 0.0 }
     }
 
     /// Nodes on the longest path, a leaf counting as one.

@@ -1,7 +1,9 @@
 //! What was typed. Values are checked one by one here; what they mean together is settled in `options`.
 
 use super::study_args::{BenchArgs, CoherenceArgs, ScalingArgs, StabilityArgs};
-use super::value::{IsaChoice, field_of_view, milliseconds, number, one_of, share, size, vector, whole};
+use super::value::{
+    IsaChoice, field_of_view, milliseconds, number, one_of, rate, seconds, share, size, vector, whole,
+};
 use crate::{
     bvh::BuildPreset,
     effects::EffectChoice,
@@ -67,7 +69,8 @@ pub(super) struct RenderArgs {
     /// A TOML scene, an OBJ file or the name of a built-in scene
     #[arg(default_value = procedural::DEFAULT)]
     pub(super) scene: String,
-    /// Image to write; its extension tells the format: .png, .exr, .hdr or .pfm
+    /// Image to write; its extension tells the format: .png, .exr, .hdr or .pfm. With %04d in its name, images of all of
+    /// the motion of a scene, numbered from 0000
     #[arg(short, long, value_name = "FILE", default_value = "render.png")]
     pub(super) output: PathBuf,
     /// Exposure in stops, for .png only: the other formats keep linear values
@@ -82,6 +85,12 @@ pub(super) struct RenderArgs {
         value_parser = whole(1..=1_000_000u32), allow_negative_numbers = true
     )]
     pub(super) frames: u32,
+    /// Moment of a moving scene in seconds [default: 0]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    pub(super) time: Option<f64>,
+    /// Numbered images per second of motion [default: the scene's]
+    #[arg(long, value_name = "N", value_parser = rate, allow_negative_numbers = true)]
+    pub(super) fps: Option<f64>,
     /// Send tiles to the image viewer tev as they are finished; it listens at 127.0.0.1:14158
     #[arg(long, value_name = "HOST:PORT")]
     pub(super) tev: Option<String>,
@@ -251,9 +260,9 @@ pub(super) struct EngineArgs {
     /// Which searches of the tile kernel end early: none, or some of pet-bound, pet-seed, set, occ, area
     #[arg(long, value_name = "LIST", default_value_t = EarlyTermination::default())]
     pub(super) early_termination: EarlyTermination,
-    /// Effects to simulate: auto takes those that the scene calls for, all the same by the kernel for all effects, and a
-    /// list with commas between only those of the list
-    #[arg(long, value_name = "auto|all|LIST", default_value_t = EffectChoice::default())]
+    /// Effects to simulate: auto takes those that the scene calls for, all the same by the kernel for all effects, a list
+    /// with commas between only those of the list, and without=LIST the others
+    #[arg(long, value_name = "auto|all|LIST|without=LIST", default_value_t = EffectChoice::default())]
     pub(super) effects: EffectChoice,
 }
 

@@ -6,7 +6,7 @@ use crate::{
     effects::{Reason, Reasons},
     error::Result,
     report::{bytes, count, significant, to_json},
-    scene::{CameraReport, LightReport, SceneReport, Share, TextureReport, load},
+    scene::{CameraReport, LightReport, SceneReport, Share, TextureReport, TrackReport, load},
 };
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
@@ -100,6 +100,7 @@ impl Display for Inspection {
         writeln!(f, "lights     {}", self.scene.lights.len())?;
         self.scene.lights.iter().try_for_each(|light| writeln!(f, "  {}", light_text(light)))?;
         self.textures(f)?;
+        self.motion(f)?;
         let CameraReport { eye, at, up, fov_deg } = self.scene.camera;
         let [eye, at, up] = [eye, at, up].map(point);
         writeln!(f, "camera     eye {eye}, at {at}, up {up}, {fov_deg} degrees")?;
@@ -117,6 +118,19 @@ impl Inspection {
             writeln!(f, "  {name} of {width}x{height} pixels, {}", bytes(*memory as u64))?;
         }
         writeln!(f, "sky        {sky}{}", if *sky_light { ", a light" } else { "" })
+    }
+
+    fn motion(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Some(motion) = &self.scene.motion else { return Ok(()) };
+        writeln!(f, "motion     {} s", significant(motion.length, 3))?;
+        for TrackReport { vertices, shapes, rate, keys } in &motion.tracks {
+            write!(f, "  {} vertices", count(*vertices as u64))?;
+            if *shapes > 1 {
+                write!(f, ", {shapes} shapes, {rate} per second")?;
+            }
+            writeln!(f, "{}", if *keys > 0 { format!(", {keys} keys") } else { String::new() })?;
+        }
+        Ok(())
     }
 
     /// Effects that are called for, and why; then the others, and why not.

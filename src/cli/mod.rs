@@ -6,6 +6,7 @@
 //!
 //! The only module that names clap, indicatif and ctrlc.
 
+mod animate;
 mod args;
 mod bench;
 mod coherence;

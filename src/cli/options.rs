@@ -1,5 +1,6 @@
 //! What the arguments mean: validated options of the library.
 
+use super::animate;
 use super::args::{EngineArgs, RenderArgs, SamplingArgs, ViewArgs};
 use crate::{
     error::{Error, Result},
@@ -17,13 +18,14 @@ const MOST_TILES: u64 = 1 << 22;
 /// Settles everything that can be told without the scene, so that a mistake is answered at once.
 ///
 /// # Errors
-/// [`Error::Flag`] for an instruction set that this machine lacks, two outputs that are one file, and tiles too small
-/// for the size.
+/// [`Error::Flag`] for an instruction set that this machine lacks, two outputs that are one file, tiles too small
+/// for the size, and flags of moving scenes that do not go together.
 pub(super) fn check(args: &RenderArgs) -> Result<()> {
     if args.export_json.as_deref().is_some_and(|json| json == args.output && json != Path::new("-")) {
         let what = format!("{} is the image already", args.output.display());
         return Err(Error::flag("--export-json", what, "choose another name for one of them"));
     }
+    animate::check(args)?;
     check_engine(&args.engine)?;
     args.size.map_or(Ok(()), |size| check_tiles(size, args.engine.tile))
 }

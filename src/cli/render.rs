@@ -1,6 +1,7 @@
 //! `irt render`.
 
 use super::{
+    animate,
     args::{RenderArgs, Talk},
     export::Export,
     interrupt,
@@ -27,7 +28,9 @@ use std::time::Instant;
 pub(super) fn run(args: &RenderArgs, talk: Talk) -> Result<()> {
     check(args)?;
     interrupt::install()?;
-    let output = OutputFile::create(&args.output)?;
+    // Of numbered images the first: whatever would prevent writing is known before the work.
+    let first = animate::image(&args.output, 0);
+    let output = OutputFile::create(first.as_ref().unwrap_or(&args.output))?;
     let export = Export::open(args.export_json.as_deref())?;
 
     let start = Instant::now();
@@ -38,6 +41,11 @@ pub(super) fn run(args: &RenderArgs, talk: Talk) -> Result<()> {
     }
     replace_view(&mut scene, &args.view)?;
     replace_sampling(&mut scene, &args.sampling);
+    animate::pose(&mut scene, args)?;
+    if first.is_some() {
+        drop(output);
+        return animate::run(args, scene, load_seconds, export, talk);
+    }
     let options = render_options(args, &scene)?;
     let mut viewer =
         args.tev.as_deref().map(|tev| Tev::connect(tev, &scene.name, options.size)).transpose()?;
@@ -133,16 +141,20 @@ fn summarise(
     }
 }
 
-fn frame_summary(frame: &FrameReport) -> FrameSummary {
-    let rays = frame.rays;
-    let rays = RayCounts {
+/// Rays by kind.
+pub(super) fn ray_counts(FrameReport { rays, .. }: &FrameReport) -> RayCounts {
+    RayCounts {
         primary: rays.primary,
         shadow: rays.shadow,
         reflection: rays.reflection,
         refraction: rays.refraction,
         indirect: rays.indirect,
         ambient: rays.ambient,
-    };
+    }
+}
+
+fn frame_summary(frame: &FrameReport) -> FrameSummary {
+    let rays = ray_counts(frame);
     FrameSummary {
         seconds: frame.seconds,
         rays,

@@ -160,6 +160,18 @@ pub(super) fn milliseconds(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| format!("'{text}' is no frame time; give milliseconds from 1 to 10000, such as 33"))
 }
 
+/// Takes a moment in seconds.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse().ok().filter(|seconds: &f64| *seconds >= 0.0 && seconds.is_finite());
+    number.ok_or_else(|| format!("'{text}' is no moment; give seconds, such as 1.5"))
+}
+
+/// Takes images per second.
+pub(super) fn rate(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse().ok().filter(|rate: &f64| *rate > 0.0 && *rate <= 1000.0);
+    number.ok_or_else(|| format!("'{text}' is no rate; give images per second, at most 1000, such as 24"))
+}
+
 /// Takes WxH.
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let side = |text: &str| text.trim().parse().ok().filter(|&side: &u32| side >= 1);

@@ -13,6 +13,8 @@ pub enum EffectChoice {
     All,
     /// Those of a list, as far as the scene calls for them.
     Only(EffectSet),
+    /// Those that the scene calls for, but not these.
+    Without(EffectSet),
 }
 
 impl EffectChoice {
@@ -21,6 +23,7 @@ impl EffectChoice {
         match self {
             EffectChoice::Auto | EffectChoice::All => reasons.set(),
             EffectChoice::Only(set) => set.intersection(reasons.set()),
+            EffectChoice::Without(set) => reasons.set().without(set),
         }
     }
 }
@@ -31,6 +34,7 @@ impl fmt::Display for EffectChoice {
             EffectChoice::Auto => f.pad("auto"),
             EffectChoice::All => f.pad("all"),
             EffectChoice::Only(set) => set.fmt(f),
+            EffectChoice::Without(set) => write!(f, "without={set}"),
         }
     }
 }
@@ -38,15 +42,16 @@ impl fmt::Display for EffectChoice {
 impl FromStr for EffectChoice {
     type Err = String;
 
-    /// `auto`, `all`, or as [`EffectSet`].
+    /// `auto`, `all`, as [`EffectSet`], or such a list behind `without=`.
     fn from_str(text: &str) -> Result<EffectChoice, String> {
         match text.trim() {
             "auto" => Ok(EffectChoice::Auto),
             "all" => Ok(EffectChoice::All),
-            list => list
-                .parse()
-                .map(EffectChoice::Only)
-                .map_err(|e: String| format!("{e}; or give auto, all or none")),
+            text => match text.strip_prefix("without=") {
+                Some(list) => list.parse().map(EffectChoice::Without),
+                None => text.parse().map(EffectChoice::Only),
+            }
+            .map_err(|e: String| format!("{e}; or give auto, all, none or without=LIST")),
         }
     }
 }

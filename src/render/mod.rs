@@ -6,17 +6,21 @@
 //!         -> film
 //! ```
 //!
+//! Where triangles move, tree and table follow from moment to moment, and the workers begin anew.
+//!
 //! A scene that calls for more than hard shadows, highlights and smooth normals has its light followed further.
 
+mod animation;
 mod follow;
 mod progressive;
 mod seeds;
 mod session;
 mod task;
 
-pub use crate::shade::RayTally;
+pub use crate::{bvh::Update, shade::RayTally};
+pub use animation::{Moment, animate};
 pub use progressive::{Level, Limit, Progressive, RayMap, Target, Tone, Traced};
-pub use session::{Session, Stage};
+pub use session::{Geometry, Session, Stage};
 
 use crate::{
     bvh::BuildPreset,
@@ -145,16 +149,7 @@ pub fn render_watched(
     let mut frames = Vec::new();
     let film = stage.with_session(&placement, |session| {
         for _ in 0..options.frames {
-            let (stats, sum) = session.counted_frame(options.schedule, &tiles, control, watch)?;
-            frames.push(FrameReport {
-                seconds: stats.seconds,
-                rays: sum.rays,
-                doubts: sum.doubts,
-                trace_seconds: sum.trace.as_secs_f64(),
-                shade_seconds: sum.shade.as_secs_f64(),
-                image_sha256: session.film().sha256(),
-                workers: stats.workers,
-            });
+            frames.push(session.reported_frame(options.schedule, &tiles, control, watch)?);
         }
         Ok(session.take_film())
     })?;
@@ -163,8 +158,8 @@ pub fn render_watched(
         film,
         isa: stage.kernels.isa(),
         build_seconds: stage.build_seconds,
-        tree_bytes: stage.bvh.bytes(),
-        effects: stage.set,
+        tree_bytes: stage.geometry.bvh.bytes(),
+        effects: stage.set(),
         frames,
         nan,
     })

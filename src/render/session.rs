@@ -1,11 +1,11 @@
 //! A scene made ready, and frame after frame on the same workers.
 
 use super::{
-    RenderOptions, choose_kernels,
+    FrameReport, RenderOptions, choose_kernels,
     task::{Frame, RenderTask, TileReport},
 };
 use crate::{
-    bvh::Bvh,
+    bvh::{BuildPreset, Bvh, Update},
     camera::Camera,
     effects::{Effect, EffectChoice, EffectSet, Reasons},
     error::Result,
@@ -18,15 +18,21 @@ use crate::{
 };
 use std::{ops::Range, time::Instant};
 
+/// What a scene is rendered by, as far as it is worth keeping when the scene has moved or is rendered another way.
+#[derive(Clone, Debug)]
+pub struct Geometry {
+    pub(super) bvh: Bvh,
+    table: SurfaceTable,
+    /// The effects that `table` is for.
+    set: EffectSet,
+}
+
 /// A scene that is ready to be rendered by any number of workers.
 pub struct Stage<'a> {
     scene: &'a Scene,
     options: RenderOptions,
     pub(super) kernels: Kernels,
-    pub(super) bvh: Bvh,
-    table: SurfaceTable,
-    /// The effects that are simulated.
-    pub(super) set: EffectSet,
+    pub(super) geometry: Geometry,
     /// To follow light further than the first surfaces, where a scene calls for that.
     paths: Option<PathTable<'a>>,
     /// To build the tree and the surface table.
@@ -41,14 +47,34 @@ impl<'a> Stage<'a> {
     /// [`Error::Failed`](crate::error::Error::Failed) if the scene breaks a promise (see [`Scene::check`]) or the tree
     /// cannot be built.
     pub fn new(scene: &'a Scene, options: &RenderOptions) -> Result<Stage<'a>> {
-        let kernels = choose_kernels(options.isa)?.with_visibility(options.visibility);
+        choose_kernels(options.isa)?;
         scene.check()?;
         let start = Instant::now();
+        let bvh = Bvh::build(&scene.mesh, options.build)?;
         let set = options.effects.set(&Reasons::new(scene));
-        let (bvh, table) = (Bvh::build(&scene.mesh, options.build)?, SurfaceTable::with_effects(scene, set));
+        let geometry = Geometry { bvh, table: SurfaceTable::with_effects(scene, set), set };
+        let mut stage = Stage::again(scene, options, geometry)?;
+        stage.build_seconds = start.elapsed().as_secs_f64();
+        Ok(stage)
+    }
+
+    /// The same scene, with what an earlier stage has left behind; it has not moved since.
+    ///
+    /// # Errors
+    /// [`Error::Flag`](crate::error::Error::Flag) for an instruction set that this machine lacks.
+    pub fn again(scene: &'a Scene, options: &RenderOptions, mut geometry: Geometry) -> Result<Stage<'a>> {
+        let kernels = choose_kernels(options.isa)?.with_visibility(options.visibility);
+        let set = options.effects.set(&Reasons::new(scene));
+        if set != geometry.set {
+            (geometry.table, geometry.set) = (SurfaceTable::with_effects(scene, set), set);
+        }
         let paths = (!is_plain(scene, set, options.effects)).then(|| PathTable::new(scene, set));
-        let build_seconds = start.elapsed().as_secs_f64();
-        Ok(Stage { scene, options: *options, kernels, bvh, table, set, paths, build_seconds })
+        Ok(Stage { scene, options: *options, kernels, geometry, paths, build_seconds: 0.0 })
+    }
+
+    /// Leaves what another stage of this scene can use.
+    pub fn leave(self) -> Geometry {
+        self.geometry
     }
 
     /// How it is rendered.
@@ -56,19 +82,14 @@ impl<'a> Stage<'a> {
         &self.options
     }
 
-    /// Renders another way from now on; the tree and the effects stay.
-    ///
-    /// # Errors
-    /// [`Error::Flag`](crate::error::Error::Flag) for an instruction set that this machine lacks; nothing is changed then.
-    pub fn set_options(&mut self, options: &RenderOptions) -> Result<()> {
-        self.kernels = choose_kernels(options.isa)?.with_visibility(options.visibility);
-        self.options = *options;
-        Ok(())
+    /// The effects that are simulated.
+    pub(super) fn set(&self) -> EffectSet {
+        self.geometry.set
     }
 
     /// What workers need to render this scene.
     pub(super) fn task(&self) -> RenderTask<'_> {
-        let Stage { scene, options, kernels, bvh, table, paths, .. } = self;
+        let Stage { scene, options, kernels, geometry: Geometry { bvh, table, .. }, paths, .. } = self;
         RenderTask::new(scene, bvh, table, paths.as_ref(), *kernels, options)
     }
 
@@ -107,6 +128,18 @@ impl<'a> Stage<'a> {
     }
 }
 
+impl Geometry {
+    /// Follows the scene, which has moved: the tree is refitted or built anew (see [`Bvh::follow`]).
+    ///
+    /// # Errors
+    /// As [`Bvh::build`].
+    pub fn follow(&mut self, scene: &Scene, build: BuildPreset) -> Result<Update> {
+        let update = self.bvh.follow(&scene.mesh, build)?;
+        self.table.pose(&scene.mesh);
+        Ok(update)
+    }
+}
+
 /// Workers and a film.
 pub struct Session<'m, 'a> {
     master: &'m mut Master<RenderTask<'a>>,
@@ -119,11 +152,30 @@ pub struct Session<'m, 'a> {
 }
 
 impl Session<'_, '_> {
-    /// Renders one frame; gives the sum of what its tiles report, too. `watch` gets each tile with the film that it is on.
+    /// Renders one frame and tells what it took. `watch` gets each tile with the film that it is on.
     ///
     /// # Errors
     /// As [`Master::run_frame`]; the film is black then.
-    pub(super) fn counted_frame(
+    pub(super) fn reported_frame(
+        &mut self,
+        schedule: Schedule,
+        tiles: &[Tile],
+        control: &Control,
+        watch: &mut dyn FnMut(Tile, &Film),
+    ) -> Result<FrameReport> {
+        let (stats, sum) = self.counted_frame(schedule, tiles, control, watch)?;
+        Ok(FrameReport {
+            seconds: stats.seconds,
+            rays: sum.rays,
+            doubts: sum.doubts,
+            trace_seconds: sum.trace.as_secs_f64(),
+            shade_seconds: sum.shade.as_secs_f64(),
+            image_sha256: self.film().sha256(),
+            workers: stats.workers,
+        })
+    }
+
+    fn counted_frame(
         &mut self,
         schedule: Schedule,
         tiles: &[Tile],

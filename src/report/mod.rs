@@ -1,5 +1,6 @@
 //! What irt found out, for people and for programs: summaries, statistics, and tables in four formats.
 
+mod animation;
 mod bench;
 mod builds;
 mod coherence;
@@ -20,6 +21,7 @@ mod terminal;
 mod titled;
 mod timeline;
 
+pub use animation::{AnimationSummary, MomentSummary};
 pub use bench::{BenchRow, bench_summary, bench_table};
 pub use builds::builds_table;
 pub use coherence::coherence_report;

@@ -3,7 +3,7 @@
 //! The tree and the kernels are promised triangles with an area, so this must not guess: a sliver that floating-point
 //! arithmetic takes for zero would be a hole in a wall.
 
-use super::TriangleMesh;
+use super::{Shape, TriangleMesh};
 use glam::Vec3;
 
 /// True if and only if the three points lie on one line (or coincide).
@@ -48,15 +48,16 @@ fn sums_to_zero(terms: [f64; 6]) -> bool {
     expansion == [0.0; 6]
 }
 
-/// Removes the triangles of exactly zero area and gives back how many there were.
-pub(super) fn drop_degenerate(mesh: &mut TriangleMesh) -> usize {
+/// Removes the triangles that have exactly zero area, with the vertices of `others`, too, and gives back how many there were.
+pub(super) fn drop_degenerate(mesh: &mut TriangleMesh, others: &[Shape]) -> usize {
     let (before, mut kept) = (mesh.len(), 0);
     for part in &mut mesh.parts {
         let range = part.first as usize..(part.first + part.count) as usize;
         part.first = kept as u32;
         for from in range {
             let corners = mesh.triangles[from];
-            if !is_degenerate(corners.map(|v| mesh.positions[v as usize])) {
+            let mut shapes = others.iter().map(|shape| &shape.positions).chain([&mesh.positions]);
+            if !shapes.all(|shape| is_degenerate(corners.map(|v| shape[v as usize]))) {
                 mesh.triangles[kept] = corners;
                 mesh.materials[kept] = mesh.materials[from];
                 kept += 1;

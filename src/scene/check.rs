@@ -13,12 +13,13 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::Failed`] with the first of these: a vertex or normal that is not finite, a coordinate beyond
-    /// [`MAX_COORDINATE`], an index out of range, a light without a finite place, unit direction, cone or strength, a
+    /// [`MAX_COORDINATE`], an index out of range, motion that does not fit the mesh, a light without a finite place, unit direction, cone or strength, a
     /// camera that sees nothing (eye and at coincide, up along the view, fov not between 0 and 180), ambient light or
     /// a background that is not finite, and what [`Material`], [`AreaLight`], [`super::SkyMap`] and [`RenderSettings`] do not
     /// allow.
     pub fn check(&self) -> Result<()> {
         let fault = mesh(&self.mesh, self.materials.len())
+            .or_else(|| self.motion.as_ref()?.fault(self.mesh.positions.len()))
             .or_else(|| self.materials.iter().find_map(|of| material(of, self.textures.len())))
             .or_else(|| self.lights.iter().enumerate().find_map(|(index, of)| light(index, of)))
             .or_else(|| self.area_lights.iter().enumerate().find_map(|(index, of)| area_light(index, of)))

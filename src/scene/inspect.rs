@@ -1,7 +1,7 @@
 //! What a scene holds, counted: the figures of `irt inspect`.
 
 use super::{
-    AreaLight, Falloff, Light, Scene, Sky, TriangleMesh,
+    AreaLight, Falloff, Light, Motion, Scene, Sky, Track, TriangleMesh,
     tally::{DEGENERATE, total},
 };
 use std::collections::HashSet;
@@ -37,6 +37,8 @@ pub struct SceneReport {
     pub sky: &'static str,
     /// It lights the scene.
     pub sky_light: bool,
+    /// How it moves, if it does.
+    pub motion: Option<MotionReport>,
     /// The camera.
     pub camera: CameraReport,
     /// What was repaired, dropped or ignored while loading.
@@ -90,6 +92,30 @@ pub struct TextureReport {
     pub bytes: usize,
 }
 
+/// How a scene moves.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct MotionReport {
+    /// Seconds from the first moment to the last.
+    pub length: f64,
+    /// Images per second that show each shape of the fastest sequence.
+    pub rate: f64,
+    /// What moves: vertices, shapes, shapes per second, and keys.
+    pub tracks: Vec<TrackReport>,
+}
+
+/// Vertices that move together.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct TrackReport {
+    /// How many.
+    pub vertices: usize,
+    /// Meshes of a sequence, or one.
+    pub shapes: usize,
+    /// Shapes per second.
+    pub rate: f64,
+    /// Keys between which it is turned and moved as a whole.
+    pub keys: usize,
+}
+
 /// The camera.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct CameraReport {
@@ -134,6 +160,7 @@ impl Scene {
                 Sky::Map(_) => "map",
             },
             sky_light: self.environment.light,
+            motion: self.motion.as_ref().map(MotionReport::new),
             camera: CameraReport {
                 eye: self.camera.eye.to_array(),
                 at: self.camera.at.to_array(),
@@ -142,6 +169,18 @@ impl Scene {
             },
             warnings: self.warnings.clone(),
         }
+    }
+}
+
+impl MotionReport {
+    fn new(of: &Motion) -> MotionReport {
+        let track = |track: &Track| TrackReport {
+            vertices: track.vertices.len(),
+            shapes: track.shapes.len(),
+            rate: track.rate,
+            keys: track.keys.len(),
+        };
+        MotionReport { length: of.length(), rate: of.rate(), tracks: of.tracks.iter().map(track).collect() }
     }
 }
 

@@ -118,8 +118,8 @@ fn parse_detail(spec: &str, detail: &str) -> Result<f32> {
 fn bare(path: &Path) -> Result<Scene> {
     let mut textures = Textures::default();
     let mut model = obj::read(path, &mut textures)?;
-    model.drop_degenerate(path);
-    let obj::Model { mesh, materials, warnings } = model;
+    model.drop_degenerate(path, &[]);
+    let obj::Model { mesh, materials, warnings, .. } = model;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let textures = textures.all;
     finish(path, Scene { name, mesh, materials, textures, warnings, ..Scene::default() }, None)
@@ -130,6 +130,7 @@ pub(super) fn finish(path: &Path, mut scene: Scene, camera: Option<CameraDescrip
     if scene.mesh.is_empty() {
         return Err(Error::file(path, "holds only triangles of zero area", "check its vertices and scale"));
     }
+    scene.pose(0.0);
     let bounds = scene.mesh.bounds();
     if !is_lit(&scene) {
         scene.lights = framing::lights(&bounds);

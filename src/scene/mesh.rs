@@ -23,7 +23,8 @@ pub struct TriangleMesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates: empty, or one per position. (0, 0) is the lower left corner of an image, (1, 1) its upper right one.
     pub uvs: Vec<Vec2>,
-    /// Vertex indices of each triangle, all below `positions.len()`. No triangle has exactly zero area.
+    /// Vertex indices of each triangle, all below `positions.len()`. No triangle has exactly zero area, but one that moves
+    /// may have at times.
     pub triangles: Vec<[u32; 3]>,
     /// Material index of each triangle.
     pub materials: Vec<u32>,

@@ -1,4 +1,4 @@
-//! What is rendered: triangles, materials, lights and a camera, all in world space and fully validated.
+//! What is rendered: triangles and how they move, materials, lights and a camera, all in world space and fully validated.
 //!
 //! Readers and generators produce a [`Scene`]; everything downstream only borrows it. A scene holds one flat
 //! triangle list, because that is what a tree is built over; [`Part`]s remember which range came from which mesh.
@@ -15,6 +15,7 @@ mod light;
 mod load;
 mod material;
 mod mesh;
+mod motion;
 mod obj;
 mod picture;
 pub mod procedural;
@@ -25,13 +26,15 @@ mod texture;
 
 pub use effect::{Effect, EffectSet};
 pub use environment::{Environment, Sky, SkyMap};
-pub use inspect::{CameraReport, LightReport, SceneReport, Share, TextureReport};
+pub use inspect::{CameraReport, LightReport, MotionReport, SceneReport, Share, TextureReport, TrackReport};
 pub use library::{Described, Library, MeshPlace, SCENES_VARIABLE};
 pub use light::{AreaLight, Falloff, Light};
 pub use load::{described, load};
 pub use material::{Bump, BumpKind, Material};
 pub use mesh::{Part, TriangleMesh};
+pub use motion::{DEFAULT_RATE, Key, Motion, Shape, Track};
 pub use settings::{AmbientOcclusion, DepthOfField, RenderSettings};
+pub use text::numbered;
 pub use texture::{Texture, Wrap};
 
 use glam::Vec3;
@@ -84,6 +87,8 @@ pub struct Scene {
     pub ambient: Vec3,
     /// Linear colour of rays that hit nothing.
     pub background: Vec3,
+    /// How the triangles move; `mesh` is what they are at the time of the last [`Scene::pose`], at first 0.
+    pub motion: Option<Motion>,
     /// Image size in pixels, width then height, unless the user asks for another.
     pub size: [u32; 2],
     /// What was repaired, dropped or ignored while loading, counted; each a sentence for the user.
@@ -105,6 +110,7 @@ impl Default for Scene {
             camera: CameraDescription { eye: 5.0 * Vec3::Z, at: Vec3::ZERO, up: Vec3::Y, fov_deg: 40.0 },
             ambient: Vec3::ZERO,
             background: Vec3::ZERO,
+            motion: None,
             size: DEFAULT_SIZE,
             warnings: Vec::new(),
         }

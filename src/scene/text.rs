@@ -1,4 +1,4 @@
-//! Reading text files without surprises.
+//! Reading text files without surprises, and names of numbered files.
 
 use crate::error::{Error, Result};
 use std::{fs, path::Path};
@@ -49,4 +49,38 @@ pub(super) fn read_utf8(path: &Path) -> Result<String> {
         let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
         Error::line(path, line, "holds a byte that is not UTF-8", "save the file as UTF-8 text")
     })
+}
+
+/// The name with its only `%d`, or `%0Nd` for N digits from 1 to 9, replaced by the number; `None` if it has none or several.
+pub fn numbered(name: &str, number: u64) -> Option<String> {
+    let mut places = name.match_indices('%').filter_map(|(at, _)| {
+        let (format, rest) = name[at + 1..].split_once('d')?;
+        match format.as_bytes() {
+            [] => Some((at, 0, rest)),
+            [b'0', digit @ b'1'..=b'9'] => Some((at, usize::from(digit - b'0'), rest)),
+            _ => None,
+        }
+    });
+    let (at, digits, rest) = places.next()?;
+    places.next().is_none().then(|| format!("{}{number:0digits$}{rest}", &name[..at]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_takes_the_place_of_the_only_mark() {
+        for (name, expected) in [
+            ("a%04d.obj", Some("a0012.obj")),
+            ("%d/b.obj", Some("12/b.obj")),
+            ("50%/c%01d", Some("50%/c12")),
+            ("%d%d", None),
+            ("plain.obj", None),
+            ("%4d", None),
+            ("%", None),
+        ] {
+            assert_eq!(numbered(name, 12).as_deref(), expected, "{name}");
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     effects::{Effect, EffectSet, Reasons},
-    scene::Scene,
+    scene::{Scene, TriangleMesh},
 };
 use glam::Vec3;
 
@@ -32,6 +32,8 @@ pub(super) struct Reflectance {
 pub struct SurfaceTable {
     pub(super) facets: Vec<Facet>,
     pub(super) materials: Vec<Reflectance>,
+    /// Normals of vertices count.
+    smooth: bool,
     /// Bound of the rounding of a hit point, in world units: see [`super::light_rays`].
     pub(super) point_error: f32,
 }
@@ -45,19 +47,6 @@ impl SurfaceTable {
     /// The same with other effects: surfaces have neither highlights nor smooth normals, nor does light go through them,
     /// unless `set` has these.
     pub fn with_effects(scene: &Scene, set: EffectSet) -> SurfaceTable {
-        let mesh = &scene.mesh;
-        let facets = (0..mesh.len())
-            .map(|prim| {
-                let [a, b, c] = mesh.corners(prim).map(Vec3::as_dvec3);
-                let ng = (b - a).cross(c - a).normalize_or_zero().as_vec3();
-                let corner = mesh.triangles[prim].map(|vertex| {
-                    let normal = mesh.normals.get(vertex as usize).copied().unwrap_or(Vec3::ZERO);
-                    (if normal == Vec3::ZERO || !set.has(Effect::SmoothNormals) { ng } else { normal })
-                        .to_array()
-                });
-                Facet { ng: ng.to_array(), material: mesh.materials[prim], corner }
-            })
-            .collect();
         let materials = scene
             .materials
             .iter()
@@ -74,9 +63,32 @@ impl SurfaceTable {
                 }
             })
             .collect();
+        let smooth = set.has(Effect::SmoothNormals);
+        let mut table = SurfaceTable { facets: Vec::new(), materials, smooth, point_error: 0.0 };
+        table.pose(&scene.mesh);
+        table
+    }
+
+    /// Takes the places and normals of the triangles, which may have moved since, from `mesh`.
+    pub fn pose(&mut self, mesh: &TriangleMesh) {
+        let SurfaceTable { facets, smooth, .. } = self;
+        facets.clear();
+        facets.extend((0..mesh.len()).map(|prim| Facet::new(mesh, prim, *smooth)));
         let bounds = mesh.bounds();
         let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
-        SurfaceTable { facets, materials, point_error: reach * ROUNDING }
+        self.point_error = reach * ROUNDING;
+    }
+}
+
+impl Facet {
+    fn new(mesh: &TriangleMesh, prim: usize, smooth: bool) -> Facet {
+        let [a, b, c] = mesh.corners(prim).map(Vec3::as_dvec3);
+        let ng = (b - a).cross(c - a).normalize_or_zero().as_vec3();
+        let corner = mesh.triangles[prim].map(|vertex| {
+            let normal = mesh.normals.get(vertex as usize).copied().unwrap_or(Vec3::ZERO);
+            (if normal == Vec3::ZERO || !smooth { ng } else { normal }).to_array()
+        });
+        Facet { ng: ng.to_array(), material: mesh.materials[prim], corner }
     }
 }
 

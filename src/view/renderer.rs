@@ -43,12 +43,12 @@ pub fn run(
     link: &Link,
     tell: &mut dyn FnMut(News),
 ) -> Result<()> {
-    let mut stage = Stage::new(scene, options)?;
+    let mut geometry = Stage::new(scene, options)?.leave();
     let mut state = State::new(scene, options, frame_time);
     // When the oldest event happened that no picture shows yet.
     let mut unseen = None;
     loop {
-        stage.set_options(&state.options)?;
+        let stage = Stage::again(scene, &state.options, geometry)?;
         let placement = Placement::new(Machine::get(), state.options.threads, state.options.pin);
         let quit = stage.with_progressive(&placement, &link.halt, |session| {
             let pacer = Pacer::new(state.frame_time);
@@ -68,6 +68,7 @@ pub fn run(
         if quit {
             return Ok(());
         }
+        geometry = stage.leave();
     }
 }
 

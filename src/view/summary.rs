@@ -130,11 +130,11 @@ const PAUSE: Duration = Duration::from_millis(5);
 /// # Errors
 /// As [`Stage::new`] and [`Stage::with_progressive`].
 pub fn errors(scene: &Scene, options: &RenderOptions, played: &Played) -> Result<Vec<(usize, f64)>> {
-    let mut stage = Stage::new(scene, options)?;
+    let mut geometry = Stage::new(scene, options)?.leave();
     let placement = Placement::new(Machine::get(), options.threads, options.pin);
     let mut errors = vec![];
     for (number, picture) in &played.kept {
-        stage.set_options(&RenderOptions { size: picture.size, ..*options })?;
+        let stage = Stage::again(scene, &RenderOptions { size: picture.size, ..*options }, geometry)?;
         let whole = stage.with_progressive(&placement, &AtomicBool::new(false), |session| {
             session.begin(&picture.frame.camera, &Tone::new(picture.frame.exposure));
             let targets: Vec<Target> = session
@@ -148,6 +148,7 @@ pub fn errors(scene: &Scene, options: &RenderOptions, played: &Played) -> Result
             Ok(whole)
         })?;
         errors.push((*number, rms(&picture.pixels, &whole)));
+        geometry = stage.leave();
     }
     Ok(errors)
 }

@@ -1,7 +1,7 @@
 //! From what a scene file says to values that are certainly usable.
 
 use super::{
-    Description, MeshUse, light, material,
+    Description, MeshUse, light, material, moving,
     place::Placement,
     schema::{Camera, File, Mesh},
     source::Source,
@@ -90,5 +90,6 @@ fn mesh(source: &Source<'_>, mesh: Mesh) -> Result<MeshUse> {
         placement.translate = *translate.get_ref();
     }
     source.check("file", &mesh.file, !mesh.file.get_ref().is_empty(), "must not be empty")?;
-    Ok(MeshUse { file: mesh.file, name: mesh.name, material: mesh.material, placement })
+    let moving = moving::moving(source, &mesh)?;
+    Ok(MeshUse { file: mesh.file, name: mesh.name, material: mesh.material, placement, moving })
 }

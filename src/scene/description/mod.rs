@@ -1,18 +1,18 @@
-//! Scene files in TOML: meshes and where they stand, materials, lights, camera. `scenes/README.md` lists all keys.
+//! Scene files in TOML: meshes, where they stand and how they move, materials, lights, camera. `scenes/README.md` lists all keys.
 
 mod check;
 mod light;
 mod material;
+mod moving;
 mod place;
 mod schema;
 mod source;
 mod surroundings;
 
 use super::{
-    CameraDescription, MAX_COORDINATE, Part, RenderSettings, Scene, TriangleMesh,
+    CameraDescription, Motion, Part, RenderSettings, Scene, TriangleMesh,
     library::{Library, MeshPlace, SCENES_VARIABLE},
     load::finish,
-    obj,
     text::read_utf8,
     texture::Textures,
 };
@@ -20,6 +20,7 @@ use crate::error::Result;
 use glam::{Vec2, Vec3};
 use light::AnyLight;
 use material::{Change, Reader};
+use moving::Moving;
 use place::Placement;
 use source::Source;
 use std::path::{Path, PathBuf};
@@ -47,6 +48,7 @@ struct MeshUse {
     name: Option<String>,
     material: Option<Spanned<String>>,
     placement: Placement,
+    moving: Moving,
 }
 
 /// Reads and checks a scene file.
@@ -61,10 +63,20 @@ pub(super) fn read(path: &Path) -> Result<Description> {
 }
 
 impl Description {
-    /// Where each mesh was looked for.
-    pub(super) fn places(&self, library: &Library) -> Vec<MeshPlace> {
+    /// Where the files of each mesh were looked for, in the order of time.
+    fn all_places(&self, library: &Library) -> Vec<Vec<MeshPlace>> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        self.meshes.iter().map(|mesh| library.locate(folder, mesh.file.get_ref())).collect()
+        self.meshes.iter().map(|mesh| mesh.places(library, folder)).collect()
+    }
+
+    /// Where each mesh was looked for: of a sequence its first file, and the first that is missing.
+    pub(super) fn places(&self, library: &Library) -> Vec<MeshPlace> {
+        let telling = |places: Vec<MeshPlace>| {
+            let missing = places.iter().position(|place| place.found.is_none());
+            let tell = |&(number, _): &(usize, MeshPlace)| number == 0 || missing == Some(number);
+            places.into_iter().enumerate().filter(tell).map(|(_, place)| place).collect::<Vec<_>>()
+        };
+        self.all_places(library).into_iter().flat_map(telling).collect()
     }
 
     /// Reads the meshes and pictures and puts everything together.
@@ -73,21 +85,17 @@ impl Description {
         let (mut mesh, mut materials, mut warnings) = (TriangleMesh::default(), Vec::new(), Vec::new());
         let (mut files, mut textures) = (Vec::new(), Textures::default());
         // All of them, before the first is read: reading may take long.
-        for (wanted, place) in self.meshes.iter().zip(self.places(library)) {
+        for (wanted, places) in self.meshes.iter().zip(self.all_places(library)) {
             let remedy =
                 format!("scenes/README.md says where to get it; set {SCENES_VARIABLE} to its folder");
-            let found = place.require("mesh", &remedy);
+            let require = |place: MeshPlace| place.require("mesh", &remedy);
+            let found = places.into_iter().map(require).collect::<std::result::Result<Vec<_>, _>>();
             files.push(found.map_err(|(what, remedy)| source.error(wanted.file.span(), what, remedy))?);
         }
-        let mut painted = Vec::new();
-        for (wanted, file) in self.meshes.iter().zip(&files) {
-            let mut model = obj::read(file, &mut textures)?;
-            wanted.placement.apply_to_bumps(&mut model.materials);
-            if !wanted.placement.apply(&mut model.mesh) {
-                let what = format!("it is moved beyond the range of coordinates, {MAX_COORDINATE:e}");
-                return Err(source.error(wanted.file.span(), what, "use smaller ones"));
-            }
-            model.drop_degenerate(file);
+        let (mut painted, mut tracks) = (Vec::new(), Vec::new());
+        for (wanted, files) in self.meshes.iter().zip(&files) {
+            let (mut model, later) = wanted.read(&source, files, &mut textures, &mut warnings)?;
+            tracks.extend(wanted.track(&source, &model, later, mesh.positions.len())?);
             if let Some(material) = &wanted.material {
                 painted.push((mesh.len()..mesh.len() + model.mesh.len(), material));
                 model.materials.clear();
@@ -131,6 +139,7 @@ impl Description {
             settings,
             ambient,
             background,
+            motion: (!tracks.is_empty()).then_some(Motion { tracks }),
             size,
             warnings,
             ..Scene::default()

@@ -23,26 +23,30 @@ impl Default for Placement {
 impl Placement {
     /// Moves the vertices, computed in f64 and rounded once. False if one of them gets out of range.
     pub(super) fn apply(&self, mesh: &mut TriangleMesh) -> bool {
-        if *self == Placement::default() {
-            return true;
-        }
-        let [x, y, z] = self.rotate;
-        let rotation = about(2, z) * about(1, y) * about(0, x);
-        let linear = rotation * DMat3::from_diagonal(DVec3::from_array(self.scale));
-        let translate = DVec3::from_array(self.translate);
-        for position in &mut mesh.positions {
-            *position = (linear * position.as_dvec3() + translate).as_vec3();
-        }
-        let inverse = DVec3::from_array(self.scale).recip();
-        for normal in &mut mesh.normals {
-            *normal = (rotation * (normal.as_dvec3() * inverse)).normalize_or_zero().as_vec3();
-        }
         // A mirror image runs the other way round: turn every triangle, so that its front stays in front.
         if self.scale.iter().product::<f64>() < 0.0 {
             mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
         }
+        self.move_vertices(&mut mesh.positions, &mut mesh.normals)
+    }
+
+    /// The same without the triangles.
+    pub(super) fn move_vertices(&self, positions: &mut [Vec3], normals: &mut [Vec3]) -> bool {
+        if *self == Placement::default() {
+            return true;
+        }
+        let rotation = rotation(self.rotate);
+        let linear = rotation * DMat3::from_diagonal(DVec3::from_array(self.scale));
+        let translate = DVec3::from_array(self.translate);
+        for position in &mut *positions {
+            *position = (linear * position.as_dvec3() + translate).as_vec3();
+        }
+        let inverse = DVec3::from_array(self.scale).recip();
+        for normal in normals {
+            *normal = (rotation * (normal.as_dvec3() * inverse)).normalize_or_zero().as_vec3();
+        }
         // False for NaN, too.
-        mesh.positions.iter().all(|position| position.abs().cmple(Vec3::splat(MAX_COORDINATE)).all())
+        positions.iter().all(|position| position.abs().cmple(Vec3::splat(MAX_COORDINATE)).all())
     }
 }
 
@@ -55,6 +59,11 @@ impl Placement {
             bump.strength *= factor;
         }
     }
+}
+
+/// Rotation by degrees about x, then y, then z.
+pub(super) fn rotation([x, y, z]: [f64; 3]) -> DMat3 {
+    about(2, z) * about(1, y) * about(0, x)
 }
 
 /// Rotation about a coordinate axis; exact for quarter turns, so that walls stay axis-aligned.

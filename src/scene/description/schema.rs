@@ -70,6 +70,25 @@ pub(super) struct Mesh {
     pub(super) rotate: Option<Spanned<[f64; 3]>>,
     /// Last: offset.
     pub(super) translate: Option<Spanned<[f64; 3]>>,
+    /// First and last number of a sequence of files; `file` has `%d` or the like then.
+    pub(super) frames: Option<Spanned<[i64; 2]>>,
+    /// Files of the sequence per second.
+    pub(super) fps: Option<Spanned<f64>>,
+    /// How it is turned and moved after all that, by time.
+    #[serde(default)]
+    pub(super) key: Vec<Spanned<Key>>,
+}
+
+/// `[[mesh.key]]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Key {
+    /// Seconds.
+    pub(super) time: Spanned<f64>,
+    /// Degrees about x, then y, then z.
+    pub(super) rotate: Option<Spanned<[f64; 3]>>,
+    /// After that.
+    pub(super) translate: Option<Spanned<[f64; 3]>>,
 }
 
 /// `[[material]]`: what is given replaces the value of the meshes' material of that name.

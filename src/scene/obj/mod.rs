@@ -17,7 +17,7 @@ mod mtl;
 mod polygon;
 
 use super::{
-    Bump, BumpKind, Material, Part, TriangleMesh, area,
+    Bump, BumpKind, Material, Part, Shape, TriangleMesh, area,
     tally::{DEGENERATE, Tally},
     text::read_lossy,
     texture::Textures,
@@ -28,6 +28,7 @@ use glam::{Vec2, Vec3};
 use maps::{MapStatement, Slot};
 use std::{
     collections::{HashMap, HashSet},
+    hash::{DefaultHasher, Hash, Hasher},
     io::Read,
     path::{Path, PathBuf},
 };
@@ -40,14 +41,16 @@ pub(super) struct Model {
     pub(super) materials: Vec<Material>,
     /// Counted warnings.
     pub(super) warnings: Vec<String>,
+    /// Tells how its faces are joined: equal for files whose faces have the same corners in the same order.
+    pub(super) joints: u64,
 }
 
 impl Model {
-    /// Drops the triangles of exactly zero area and counts them in the warnings. Comes last, because moving the
-    /// vertices rounds them.
-    pub(super) fn drop_degenerate(&mut self, path: &Path) {
+    /// Drops the triangles of exactly zero area, in `others`, too, which are the same vertices at other times, and counts
+    /// them in the warnings. Comes last, because moving the vertices rounds them.
+    pub(super) fn drop_degenerate(&mut self, path: &Path, others: &[Shape]) {
         let mut tally = Tally::new(path.display());
-        tally.add(area::drop_degenerate(&mut self.mesh), DEGENERATE);
+        tally.add(area::drop_degenerate(&mut self.mesh, others), DEGENERATE);
         self.warnings.extend(tally.sentences());
     }
 }
@@ -68,10 +71,38 @@ pub(super) fn read(path: &Path, textures: &mut Textures) -> Result<Model> {
         materials.read(&library, textures, &mut warnings)?;
     }
     let assigned = materials.assign(&cleaned.sections, &mut tally);
-    let mesh = assemble(path, cleaned, &assigned, &mut tally)?;
+    let (mesh, joints) = assemble(path, cleaned, &assigned, &mut tally)?;
     bump::settle(&mesh, &mut materials.all, &textures.all);
     warnings.splice(0..0, tally.sentences());
-    Ok(Model { mesh, materials: materials.all, warnings })
+    Ok(Model { mesh, materials: materials.all, warnings, joints })
+}
+
+/// Reads the vertices of an OBJ file whose faces are those of `model`, at another time: nothing is read of materials.
+///
+/// # Errors
+/// As [`read`]; [`Error::File`] if the faces are others.
+pub(super) fn read_shape(path: &Path, model: &Model, warnings: &mut Vec<String>) -> Result<Shape> {
+    let mut tally = Tally::new(path.display());
+    let cleaned = clean(path, &read_lossy(path)?, &mut tally)?;
+    let assigned = vec![0; cleaned.sections.len()];
+    let (mesh, joints) = assemble(path, cleaned, &assigned, &mut tally)?;
+    let TriangleMesh { positions, normals, .. } = mesh;
+    let other = |what: String| {
+        let remedy = "export all frames with the same vertices and faces in the same order";
+        Err(Error::file(path, format!("does not fit the first frame: {what}"), remedy))
+    };
+    let [own, first] = [positions.len(), model.mesh.positions.len()];
+    if own != first {
+        return other(format!("its faces use {own} different vertices instead of {first}"));
+    }
+    if joints != model.joints {
+        return other("its faces have other corners, or there are more or fewer of them".into());
+    }
+    if normals.is_empty() != model.mesh.normals.is_empty() {
+        return other("only one of them has normals".into());
+    }
+    warnings.extend(tally.sentences());
+    Ok(Shape { positions, normals })
 }
 
 /// The MTL files that exist, each once. `mtllib` may name several, and a name may hold spaces.
@@ -193,8 +224,14 @@ impl Materials {
     }
 }
 
-/// Lets tobj read the cleaned file and makes one mesh of the models it gives, one per section.
-fn assemble(path: &Path, cleaned: Cleaned, materials: &[u32], tally: &mut Tally) -> Result<TriangleMesh> {
+/// Lets tobj read the cleaned file and makes one mesh of the models it gives, one per section. Also gives
+/// [`Model::joints`].
+fn assemble(
+    path: &Path,
+    cleaned: Cleaned,
+    materials: &[u32],
+    tally: &mut Tally,
+) -> Result<(TriangleMesh, u64)> {
     let Cleaned { vertices, faces, sections, textured, .. } = cleaned;
     let options = tobj::LoadOptions { single_index: true, ..tobj::LoadOptions::default() };
     let no_materials = |_: &Path| Ok((Vec::new(), Default::default()));
@@ -202,8 +239,9 @@ fn assemble(path: &Path, cleaned: Cleaned, materials: &[u32], tally: &mut Tally)
         .map_err(|e| Error::file(path, format!("cannot be read ({e})"), "report this file to us"))?;
     let fallback = path.file_stem().unwrap_or_default().to_string_lossy();
     let mut mesh = TriangleMesh::default();
-    let mut smooth = false;
+    let (mut smooth, mut joints) = (false, DefaultHasher::new());
     for model in models {
+        (&model.mesh.indices, &model.mesh.face_arities).hash(&mut joints);
         // The names are indices that `clean` wrote.
         let Some((section, &material)) = model
             .name
@@ -226,7 +264,7 @@ fn assemble(path: &Path, cleaned: Cleaned, materials: &[u32], tally: &mut Tally)
     if !textured {
         mesh.uvs.clear();
     }
-    Ok(mesh)
+    Ok((mesh, joints.finish()))
 }
 
 /// Adds a model under the part `name`. True if any vertex has a normal.

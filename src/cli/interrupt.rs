@@ -4,6 +4,7 @@ use super::terminal;
 use crate::{
     error::{Error, Result},
     output::discard_pending,
+    view::restore_terminal,
 };
 use std::process::exit;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,6 +20,7 @@ pub(super) fn install() -> Result<()> {
     ctrlc::set_handler(|| {
         INTERRUPTED.store(true, Ordering::SeqCst);
         discard_pending();
+        restore_terminal();
         terminal::clear_line();
         terminal::complain(&Error::Interrupted);
         exit(Error::Interrupted.exit_code().into());

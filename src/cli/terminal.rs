@@ -3,6 +3,7 @@
 
 use super::args::Talk;
 use crate::error::{Error, Result};
+use crate::view::restore_terminal;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::cell::Cell;
 use std::io::{self, ErrorKind, IsTerminal, Write};
@@ -88,6 +89,7 @@ pub(super) fn announce_panics() {
             log::debug!("{panic}");
             return;
         }
+        restore_terminal();
         let message = panic.payload_as_str().unwrap_or("no message");
         let place = panic.location().map(|place| format!(" at {place}")).unwrap_or_default();
         note(&format!("irt: internal error{place}: {message}; please report this with the command line\n"));

@@ -19,7 +19,7 @@ mod task;
 
 pub use crate::{bvh::Update, shade::RayTally};
 pub use animation::{Moment, animate};
-pub use progressive::{Level, Limit, Progressive, RayMap, Target, Tone, Traced};
+pub use progressive::{Canvas, Level, Limit, Progressive, RayMap, Target, Tone, Traced};
 pub use session::{Geometry, Session, Stage};
 
 use crate::{

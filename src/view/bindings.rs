@@ -27,6 +27,8 @@ pub enum Command {
     CopyFlags,
     /// Brighter or darker by half a stop.
     Brighter(bool),
+    /// Time stops and goes to the next moment, or to the one before.
+    Step(bool),
     /// Fills the screen, or not.
     FullScreen,
     /// The viewer ends.
@@ -34,7 +36,7 @@ pub enum Command {
 }
 
 /// Keys, what they do, and how the help says it. Keys that the help tells together have the text at the first.
-pub const BINDINGS: [(&str, Command, &str); 38] = [
+pub const BINDINGS: [(&str, Command, &str); 42] = [
     ("w", Command::Hold, "w a s d    move ahead, left, back, right"),
     ("a", Command::Hold, ""),
     ("s", Command::Hold, ""),
@@ -61,6 +63,14 @@ pub const BINDINGS: [(&str, Command, &str); 38] = [
     ("8", Command::Cycle(Mode::Early), "8          early termination"),
     ("9", Command::Cycle(Mode::Tile), "9          size of tiles"),
     ("0", Command::Cycle(Mode::Pin), "0          pinning"),
+    (
+        "x",
+        Command::Cycle(Mode::Effects),
+        "x          effects: the scene's, by the kernel for all, without one",
+    ),
+    ("space", Command::Cycle(Mode::Play), "space      time passes or stops"),
+    (",", Command::Step(false), ", .        one moment back, ahead"),
+    (".", Command::Step(true), ""),
     ("tab", Command::Cycle(Mode::Overlay), "tab        map: workers, samples, time, steps, lanes, coherence"),
     ("f", Command::Freeze, "f          freeze the picture"),
     ("g", Command::Difference, "g          difference from the frozen one"),
@@ -96,7 +106,7 @@ mod tests {
         for (i, (key, command, text)) in BINDINGS.iter().enumerate() {
             assert!(BINDINGS[..i].iter().all(|(other, _, _)| other != key), "{key} twice");
             let same = |other: &Command| match (other, command) {
-                (Command::Brighter(_), Command::Brighter(_)) => true,
+                (Command::Brighter(_), Command::Brighter(_)) | (Command::Step(_), Command::Step(_)) => true,
                 _ => other == command,
             };
             let told = BINDINGS.iter().any(|(_, other, text)| same(other) && !text.is_empty());

@@ -32,6 +32,8 @@ pub enum Event {
     Set(Setting),
     /// A mode goes on to its next value.
     Cycle(Mode),
+    /// Time stops, and goes to the next moment (true) or back to the one before.
+    Step(bool),
     /// Brighter by so many stops.
     Brighten(f32),
     /// No key is held any more: the window has lost the keyboard.

@@ -1,6 +1,7 @@
 //! The figures over the picture: how fast, how fine, and what the workers do.
 
-use super::picture::Frame;
+use super::picture::{Frame, ShownMoment};
+use crate::render::Update;
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -11,6 +12,19 @@ const WINDOW: Duration = Duration::from_secs(1);
 #[derive(Clone, Debug, Default)]
 pub(super) struct Figures {
     frames: VecDeque<Frame>,
+}
+
+/// What time it is, and what it took to get there.
+fn moment_line(moment: &ShownMoment) -> String {
+    let ShownMoment { time, length, follow_seconds, update } = moment;
+    let tree = match update {
+        None => String::new(),
+        Some(update) => {
+            let done = if *update == Update::Refitted { "refitted" } else { "built anew" };
+            format!(", tree {done}: {:.1} ms", follow_seconds * 1e3)
+        }
+    };
+    format!("{time:5.2} of {length:.2} s{tree}")
 }
 
 impl Figures {
@@ -52,6 +66,7 @@ impl Figures {
         if let Some(latency) = last.latency.or(moving.last().and_then(|frame| frame.latency)) {
             lines.push(format!("{:5.1} ms from hand to eye", latency.as_secs_f64() * 1e3));
         }
+        lines.extend(last.moment.map(|moment| moment_line(&moment)));
         lines.push(last.modes.clone());
         lines
     }

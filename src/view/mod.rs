@@ -9,10 +9,12 @@
 //! at most one frame behind.
 
 mod bindings;
+mod clock;
 mod draw;
 mod event;
 mod figures;
 mod link;
+mod maker;
 mod overlay;
 mod pacer;
 mod picture;
@@ -29,18 +31,19 @@ mod ui;
 mod window;
 
 pub use bindings::{BINDINGS, Command};
+pub use clock::Clock;
 pub use draw::{Scale, Surface};
 pub use event::{Button, Event, Key};
 pub use link::{Link, Timed};
 pub use overlay::Overlay;
 pub use pacer::{Pacer, Region, regions};
-pub use picture::{Frame, News, Picture};
+pub use picture::{Frame, News, Picture, ShownMoment};
 pub use renderer::{beside, run};
 pub use rig::{Rig, RigMode};
 pub use script::{Played, Script, play};
-pub use setting::{Mode, NAMES, Setting};
+pub use setting::{Mode, NAMES, Now, Setting};
 pub use state::{Change, State};
 pub use summary::{Summary, errors, summarise};
-pub use terminal::show_in_terminal;
+pub use terminal::{restore_terminal, show_in_terminal};
 pub use ui::{Ui, Wish};
 pub use window::open;

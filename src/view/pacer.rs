@@ -44,11 +44,16 @@ impl Pacer {
         (PLANNED * self.budget - self.fill).max(0.2 * self.budget)
     }
 
-    /// The level that everything is traced at first, for this many pixels and workers.
-    pub fn base(&self, pixels: f64, workers: usize) -> Level {
+    /// The same for a frame that took this long until tracing could begin.
+    pub fn left(&self, before: Duration) -> f64 {
+        (self.tracing() - before.as_secs_f64()).max(0.2 * self.budget)
+    }
+
+    /// The level that everything is traced at first, in so many seconds, for this many pixels and workers.
+    pub fn base(&self, available: f64, pixels: f64, workers: usize) -> Level {
         let seconds =
             |level: Level| self.base[level as usize] * level.share() * pixels / workers.max(1) as f64;
-        let fits = |level: &Level| seconds(*level) <= self.tracing();
+        let fits = |level: &Level| seconds(*level) <= available;
         [Level::Full, Level::Quarter].into_iter().find(fits).unwrap_or(Level::Sixteenth)
     }
 
@@ -192,7 +197,7 @@ mod tests {
             .map(|seconds: f64| {
                 // Once per pixel, until it is believed.
                 (0..40).for_each(|_| pacer.learn_base(Level::Quarter, 1e6, 2, seconds * 0.25e6 / 2.0));
-                pacer.base(1e6, 2)
+                pacer.base(pacer.tracing(), 1e6, 2)
             })
             .to_vec();
         assert_eq!(levels, [Level::Full, Level::Quarter, Level::Sixteenth, Level::Sixteenth]);

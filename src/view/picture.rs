@@ -2,7 +2,7 @@
 
 use super::overlay::Overlay;
 use crate::{
-    render::{Level, RayMap, RayTally, RenderOptions},
+    render::{Level, RayMap, RayTally, RenderOptions, Update},
     scene::CameraDescription,
     schedule::{Span, WorkerStats},
 };
@@ -49,6 +49,19 @@ pub enum News {
     Note(String),
 }
 
+/// The moment that a picture of a moving scene shows: all of it is of this one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShownMoment {
+    /// Seconds from the beginning of the motion, ...
+    pub time: f64,
+    /// ... and to its end.
+    pub length: f64,
+    /// Seconds to move the vertices and to let tree and surface table follow; 0 if they were there already.
+    pub follow_seconds: f64,
+    /// What was done to the tree then.
+    pub update: Option<Update>,
+}
+
 /// What a picture took.
 #[derive(Clone, Debug)]
 pub struct Frame {
@@ -58,7 +71,7 @@ pub struct Frame {
     pub end: Instant,
     /// From the oldest event that it is the first to show until it was finished.
     pub latency: Option<Duration>,
-    /// The camera had moved, so that it was made from nothing; else it refines the last one.
+    /// The camera or the scene had moved, so that it was made from nothing; else it refines the last one.
     pub moved: bool,
     /// Share of the pixels that are traced.
     pub share: f64,
@@ -68,6 +81,8 @@ pub struct Frame {
     pub rays: RayTally,
     /// Seconds of filling in the missing pixels.
     pub fill_seconds: f64,
+    /// The moment, if the scene moves.
+    pub moment: Option<ShownMoment>,
     /// The camera.
     pub camera: CameraDescription,
     /// Stops by which it is brightened.

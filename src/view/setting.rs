@@ -2,6 +2,7 @@
 
 use super::overlay::Overlay;
 use crate::{
+    effects::{EffectChoice, EffectSet},
     kernels::{Isa, Visibility},
     render::{RenderOptions, choose_kernels},
     schedule::{FilmMode, Strategy},
@@ -45,10 +46,16 @@ pub enum Setting {
     FrameTime(Duration),
     /// What is laid over the picture.
     Overlay(Overlay),
+    /// Which effects are simulated, and by which kernel.
+    Effects(EffectChoice),
+    /// The moment of a scene that moves, in seconds.
+    Time(f64),
+    /// Time passes.
+    Play(bool),
 }
 
 /// Names and values, as a script has them.
-pub const NAMES: [(&str, &str); 15] = [
+pub const NAMES: [(&str, &str); 18] = [
     ("order", "scanline, serpentine, hilbert, morton or peano"),
     (
         "schedule",
@@ -67,6 +74,9 @@ pub const NAMES: [(&str, &str); 15] = [
     ("camera", "orbit or fly"),
     ("frame-time", "milliseconds, 1 to 10000"),
     ("overlay", "none, workers, samples, time, steps, lanes or coherence"),
+    ("effects", "auto, all, a list of effects with commas between, or without=LIST"),
+    ("time", "seconds from the beginning of the motion"),
+    ("motion", "play or stop"),
 ];
 
 impl Setting {
@@ -104,6 +114,9 @@ impl Setting {
                 let milliseconds = parsed(value).filter(|ms: &f64| (1.0..=10000.0).contains(ms))?;
                 Setting::FrameTime(Duration::from_secs_f64(milliseconds * 1e-3))
             }
+            "effects" => Setting::Effects(parsed(value)?),
+            "time" => Setting::Time(parsed(value).filter(|time: &f64| *time >= 0.0 && time.is_finite())?),
+            "motion" => Setting::Play(one_of(value, ["stop", "play"])? == 1),
             "overlay" => Setting::Overlay(Overlay::ALL.into_iter().find(|overlay| overlay.name() == value)?),
             _ => return None,
         })
@@ -122,11 +135,14 @@ impl Setting {
             Setting::Kernel(kernel) => replaced(&mut options.kernel, kernel),
             Setting::Early(early) => replaced(&mut options.early, early),
             Setting::Tile(tile) => replaced(&mut options.tile, tile),
+            Setting::Effects(effects) => replaced(&mut options.effects, effects),
             Setting::Exposure(_)
             | Setting::Fov(_)
             | Setting::Fly(_)
             | Setting::FrameTime(_)
-            | Setting::Overlay(_) => false,
+            | Setting::Overlay(_)
+            | Setting::Time(_)
+            | Setting::Play(_) => false,
         }
     }
 }
@@ -158,11 +174,32 @@ pub enum Mode {
     Camera,
     /// See [`Setting::Overlay`].
     Overlay,
+    /// See [`Setting::Effects`].
+    Effects,
+    /// See [`Setting::Play`].
+    Play,
+}
+
+/// What is set, as far as the next value of a mode depends on it.
+#[derive(Clone, Copy, Debug)]
+pub struct Now<'a> {
+    /// How to render.
+    pub options: &'a RenderOptions,
+    /// See [`Setting::Fly`].
+    pub fly: bool,
+    /// See [`Setting::Overlay`].
+    pub overlay: Overlay,
+    /// See [`Setting::Play`].
+    pub playing: bool,
+    /// Workers that are worth having.
+    pub cores: usize,
+    /// Effects that the scene calls for.
+    pub called: EffectSet,
 }
 
 impl Mode {
     /// All of them.
-    pub const ALL: [Mode; 12] = [
+    pub const ALL: [Mode; 14] = [
         Mode::Order,
         Mode::Schedule,
         Mode::Film,
@@ -175,10 +212,13 @@ impl Mode {
         Mode::Pin,
         Mode::Camera,
         Mode::Overlay,
+        Mode::Effects,
+        Mode::Play,
     ];
 
-    /// The value after the one that is set. `cores` is the number of workers that are worth having.
-    pub fn next(self, options: &RenderOptions, fly: bool, overlay: Overlay, cores: usize) -> Setting {
+    /// The value after the one that is set.
+    pub fn next(self, now: &Now<'_>) -> Setting {
+        let Now { options, fly, overlay, playing, cores, called } = *now;
         let early: Vec<EarlyTermination> = [
             "none",
             "pet-bound",
@@ -210,6 +250,13 @@ impl Mode {
             Mode::Pin => Setting::Pin(!options.pin),
             Mode::Camera => Setting::Fly(!fly),
             Mode::Overlay => Setting::Overlay(after(&Overlay::ALL, overlay)),
+            Mode::Effects => {
+                let without = called.iter().map(|effect| EffectChoice::Without(EffectSet::of(&[effect])));
+                let all: Vec<_> =
+                    [EffectChoice::Auto, EffectChoice::All].into_iter().chain(without).collect();
+                Setting::Effects(after(&all, options.effects))
+            }
+            Mode::Play => Setting::Play(!playing),
         }
     }
 }
@@ -237,7 +284,7 @@ pub(super) fn described(options: &RenderOptions) -> String {
     let text = |value: Option<String>| value.unwrap_or_else(|| "auto".into());
     let show = |value: &dyn Display| value.to_string();
     format!(
-        "{} {} {} tile {} threads {} {} {} {} {}",
+        "{} {} {} tile {} threads {} {} {} {} {} effects {}",
         options.order,
         options.schedule.strategy,
         options.schedule.film,
@@ -246,6 +293,7 @@ pub(super) fn described(options: &RenderOptions) -> String {
         text(options.isa.map(|isa| show(&isa))),
         options.visibility,
         options.kernel,
-        options.early
+        options.early,
+        options.effects
     )
 }

@@ -1,12 +1,14 @@
 //! What the viewer shows and how: everything that events change.
 
 use super::{
+    clock::Clock,
     event::{Button, Event},
     overlay::Overlay,
     rig::{Rig, RigMode},
-    setting::Setting,
+    setting::{Now, Setting},
 };
 use crate::{
+    effects::{EffectSet, Reasons},
     render::{RenderOptions, Tone},
     scene::{MAX_PIXELS, MAX_SIDE, Scene},
     schedule::Machine,
@@ -29,6 +31,10 @@ pub struct State {
     pub rig: Rig,
     /// How to render; the size is that of the picture.
     pub options: RenderOptions,
+    /// The moment of a scene that moves.
+    pub clock: Clock,
+    /// Effects that the scene calls for.
+    called: EffectSet,
     /// From linear colours to the screen.
     pub tone: Tone,
     /// How long a frame may take while the camera moves.
@@ -63,6 +69,8 @@ impl State {
         State {
             rig: Rig::new(scene.camera, diagonal),
             options: *options,
+            clock: Clock::new(scene.motion.as_ref()),
+            called: Reasons::new(scene).set(),
             tone: Tone::new(0.0),
             frame_time,
             exposure: 0.0,
@@ -75,7 +83,7 @@ impl State {
 
     /// Takes an event in.
     pub fn apply(&mut self, event: &Event, change: &mut Change) {
-        let camera = self.rig.camera;
+        let (camera, time) = (self.rig.camera, self.clock.time);
         match event {
             Event::Press(key) => {
                 self.held.insert(key.clone());
@@ -86,6 +94,7 @@ impl State {
             Event::ReleaseAll => self.held.clear(),
             Event::Settle => {
                 self.held.clear();
+                self.clock.play(false);
                 self.settling = true;
             }
             Event::Drag(Button::Left, [x, y]) => self.rig.turn(x * DRAG, -y * DRAG),
@@ -103,17 +112,28 @@ impl State {
             }
             Event::Set(setting) => self.set(*setting, change),
             Event::Cycle(mode) => {
-                let cores = Machine::get().default_workers();
-                let next = mode.next(&self.options, self.rig.mode == RigMode::Fly, self.overlay, cores);
+                let next = mode.next(&self.now());
                 self.set(next, change);
             }
+            Event::Step(ahead) => self.clock.step(*ahead),
             Event::Brighten(stops) => {
                 let exposure = (self.exposure + stops).clamp(-50.0, 50.0);
                 self.set(Setting::Exposure(exposure), change);
             }
             Event::Quit => change.quit = true,
         }
-        change.picture |= change.engine || camera != self.rig.camera;
+        change.picture |= change.engine || camera != self.rig.camera || time != self.clock.time;
+    }
+
+    fn now(&self) -> Now<'_> {
+        Now {
+            options: &self.options,
+            fly: self.rig.mode == RigMode::Fly,
+            overlay: self.overlay,
+            playing: self.clock.playing,
+            cores: Machine::get().default_workers(),
+            called: self.called,
+        }
     }
 
     fn set(&mut self, setting: Setting, change: &mut Change) {
@@ -126,14 +146,18 @@ impl State {
             Setting::Fly(fly) => self.rig.mode = if fly { RigMode::Fly } else { RigMode::Orbit },
             Setting::FrameTime(time) => self.frame_time = time,
             Setting::Overlay(overlay) => self.overlay = overlay,
+            Setting::Time(time) => self.clock.set(time),
+            Setting::Play(playing) => self.clock.play(playing),
             other => change.engine |= other.apply(&mut self.options),
         }
     }
 
-    /// Moves the camera by the keys that are held, for this many seconds; true if it has moved.
+    /// Moves the camera by the keys that are held, and all that moves by itself, for this many seconds; true if anything
+    /// has moved.
     pub fn advance(&mut self, seconds: f32) -> bool {
-        let camera = self.rig.camera;
+        let (camera, time) = (self.rig.camera, self.clock.time);
         let seconds = seconds.clamp(0.0, LONGEST_STEP);
+        self.clock.advance(seconds.into());
         let axis = |more: &str, less: &str| {
             f32::from(u8::from(self.held.contains(more))) - f32::from(u8::from(self.held.contains(less)))
         };
@@ -149,20 +173,28 @@ impl State {
             let [right, up] = turn.map(|axis| axis * TURN * seconds);
             self.rig.turn(right, up);
         }
-        camera != self.rig.camera
+        camera != self.rig.camera || time != self.clock.time
     }
 
-    /// A key that moves the camera is held.
+    /// The overlay of a picture that was just begun: maps of what rays do come when it rests.
+    pub fn laid(&self) -> Overlay {
+        if self.overlay.needs_map() { Overlay::None } else { self.overlay }
+    }
+
+    /// A key that moves the camera is held, or time passes.
     pub fn moving(&self) -> bool {
         const KEYS: [&str; 10] = ["w", "s", "a", "d", "q", "e", "left", "right", "up", "down"];
-        KEYS.iter().any(|&key| self.held.contains(key))
+        self.clock.playing || KEYS.iter().any(|&key| self.held.contains(key))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{scene::procedural, view::setting::NAMES};
+    use crate::{
+        scene::{Motion, Shape, Track, procedural},
+        view::setting::NAMES,
+    };
 
     fn state() -> State {
         let scene = procedural::build("atrium", 0.1).expect("a built-in scene");
@@ -212,19 +244,26 @@ mod tests {
             ("camera", "fly"),
             ("frame-time", "50"),
             ("overlay", "steps"),
+            ("effects", "without=hard-shadows"),
+            ("time", "0.5"),
+            ("motion", "play"),
         ];
         assert_eq!(values.map(|(name, _)| name), NAMES.map(|(name, _)| name));
         for (name, value) in values {
             let mut state = state();
+            let shape = Shape { positions: vec![], normals: vec![] };
+            let track = Track { vertices: 0..0, shapes: vec![shape.clone(), shape], rate: 1.0, keys: vec![] };
+            state.clock = Clock::new(Some(&Motion { tracks: vec![track] }));
             let before = format!("{state:?}");
             let setting = Setting::parse(name, value).unwrap();
             let change = changed(&mut state, Event::Set(setting));
             assert_ne!(format!("{state:?}"), before, "{name}");
             // What concerns the workers makes them anew, once.
-            let engine = !["exposure", "fov", "camera", "frame-time", "overlay"].contains(&name);
+            let ours = ["exposure", "fov", "camera", "frame-time", "overlay", "time", "motion"];
+            let engine = !ours.contains(&name);
             assert_eq!(
                 (change.engine, change.picture),
-                (engine, engine || ["exposure", "fov"].contains(&name)),
+                (engine, engine || ["exposure", "fov", "time"].contains(&name)),
                 "{name}"
             );
             assert!(!changed(&mut state, Event::Set(setting)).engine, "{name}");

@@ -9,6 +9,7 @@ use crate::{
     schedule::{Machine, Placement},
 };
 use serde::Serialize;
+use std::borrow::Cow;
 use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::{Duration, Instant};
@@ -22,7 +23,7 @@ pub struct FrameRow {
     pub seconds: f64,
     /// Seconds from the event that it is the first to show until it was finished.
     pub latency: Option<f64>,
-    /// The camera had moved.
+    /// The camera or the scene had moved.
     pub moved: bool,
     /// Share of the pixels that are traced.
     pub share: f64,
@@ -32,6 +33,8 @@ pub struct FrameRow {
     pub shadow: u64,
     /// Seconds of filling in the missing pixels.
     pub fill_seconds: f64,
+    /// Seconds from the beginning of the motion, if the scene moves.
+    pub time: Option<f64>,
     /// Root mean square difference from the whole image, in bytes of sRGB; of some frames only.
     pub rms_error: Option<f64>,
 }
@@ -118,6 +121,7 @@ fn row(start: Option<Instant>, last: Option<&Frame>, frame: &Frame) -> FrameRow 
         primary: frame.rays.primary,
         shadow: frame.rays.shadow,
         fill_seconds: frame.fill_seconds,
+        time: frame.moment.map(|moment| moment.time),
         rms_error: None,
     }
 }
@@ -130,11 +134,18 @@ const PAUSE: Duration = Duration::from_millis(5);
 /// # Errors
 /// As [`Stage::new`] and [`Stage::with_progressive`].
 pub fn errors(scene: &Scene, options: &RenderOptions, played: &Played) -> Result<Vec<(usize, f64)>> {
-    let mut geometry = Stage::new(scene, options)?.leave();
+    let mut scene = Cow::Borrowed(scene);
+    let mut geometry = Stage::new(&scene, options)?.leave();
     let placement = Placement::new(Machine::get(), options.threads, options.pin);
     let mut errors = vec![];
     for (number, picture) in &played.kept {
-        let stage = Stage::again(scene, &RenderOptions { size: picture.size, ..*options }, geometry)?;
+        if let Some(moment) = picture.frame.moment {
+            scene.to_mut().pose(moment.time);
+            geometry.follow(&scene, options.build)?;
+        }
+        let effects = picture.frame.options.effects;
+        let here = RenderOptions { size: picture.size, effects, ..*options };
+        let stage = Stage::again(&scene, &here, geometry)?;
         let whole = stage.with_progressive(&placement, &AtomicBool::new(false), |session| {
             session.begin(&picture.frame.camera, &Tone::new(picture.frame.exposure));
             let targets: Vec<Target> = session

@@ -6,6 +6,7 @@ use super::{
     link::Link,
     picture::{News, Picture},
     renderer::beside,
+    setting::Setting,
     ui::{Ui, Wish},
 };
 use crate::{
@@ -27,6 +28,7 @@ use std::fmt::Write as _;
 use std::io::{self, IsTerminal, Write};
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Most terminals do not tell when a key comes up: it is taken to be held this long, and each repetition counts anew.
@@ -53,6 +55,7 @@ pub fn show_in_terminal(scene: &Scene, options: &RenderOptions, frame_time: Dura
     // Nobody listens after the end.
     let tell = move |piece| drop(tell.send(piece));
     beside(scene, &options, frame_time, &link, tell, || {
+        link.send(Event::Set(Setting::Play(true)));
         let mode = Mode::enter()?;
         let mut user = User { link: &link, ui: Ui::default(), mode, held: vec![], cursor: None };
         user.watch(&news)
@@ -68,6 +71,27 @@ fn failed(error: io::Error) -> Error {
     Error::Failed(format!("the terminal cannot be used ({error}); try another one"))
 }
 
+/// Whether the terminal is as the viewer needs it, and tells when keys come up. Drawn and restored under its lock, so that
+/// nothing is drawn once the terminal is as it was.
+static ENTERED: Mutex<Option<bool>> = Mutex::new(None);
+
+fn entered() -> MutexGuard<'static, Option<bool>> {
+    ENTERED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Leaves the terminal as it was before [`show_in_terminal`], if that is still going on: for whoever ends the process or
+/// has something to say about its end.
+pub fn restore_terminal() {
+    let Some(releases) = entered().take() else { return };
+    let mut out = io::stdout();
+    // Whatever fails here cannot be mended, and nobody is left to tell.
+    if releases {
+        let _ = execute!(out, PopKeyboardEnhancementFlags);
+    }
+    let _ = execute!(out, DisableFocusChange, DisableMouseCapture, cursor::Show, LeaveAlternateScreen);
+    let _ = terminal::disable_raw_mode();
+}
+
 /// The terminal as the viewer needs it; as it was, when dropped.
 struct Mode {
     /// It tells when keys come up.
@@ -79,6 +103,7 @@ impl Mode {
         terminal::enable_raw_mode().map_err(failed)?;
         let releases = terminal::supports_keyboard_enhancement().unwrap_or(false);
         let mode = Mode { releases };
+        *entered() = Some(releases);
         let mut out = io::stdout();
         execute!(out, EnterAlternateScreen, cursor::Hide, EnableMouseCapture, EnableFocusChange)
             .map_err(failed)?;
@@ -92,13 +117,7 @@ impl Mode {
 
 impl Drop for Mode {
     fn drop(&mut self) {
-        let mut out = io::stdout();
-        // Whatever fails here cannot be mended, and nobody is left to tell.
-        if self.releases {
-            let _ = execute!(out, PopKeyboardEnhancementFlags);
-        }
-        let _ = execute!(out, DisableFocusChange, DisableMouseCapture, cursor::Show, LeaveAlternateScreen);
-        let _ = terminal::disable_raw_mode();
+        restore_terminal();
     }
 }
 
@@ -151,6 +170,10 @@ impl User<'_> {
         });
         let pixels: Vec<u32> = picture.pixels.iter().map(|pixel| pixel.load(Ordering::Relaxed)).collect();
         let text = half_blocks(&pixels, picture.size) + &status(&note, picture.size[0] as usize);
+        let entered = entered();
+        if entered.is_none() {
+            return Ok(());
+        }
         let mut out = io::stdout().lock();
         out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(failed)
     }
@@ -257,6 +280,7 @@ fn status(note: &str, width: usize) -> String {
 
 fn name_of(code: KeyCode) -> Option<String> {
     Some(match code {
+        KeyCode::Char(' ') => "space".into(),
         KeyCode::Char(c) => c.to_lowercase().to_string(),
         KeyCode::Left => "left".into(),
         KeyCode::Right => "right".into(),

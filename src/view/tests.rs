@@ -14,6 +14,8 @@ use crate::{
 use std::path::Path;
 use std::time::Duration;
 
+mod motion;
+
 /// A small picture, the plainest way.
 pub(super) const OPTIONS: RenderOptions = RenderOptions {
     isa: None,
@@ -153,7 +155,6 @@ fn a_script_that_makes_no_sense_is_refused_by_its_line() {
 
 #[test]
 fn any_sequence_of_events_ends_at_rest() {
-    let scene = scene();
     let deeds = [
         "press w",
         "press left",
@@ -175,6 +176,21 @@ fn any_sequence_of_events_ends_at_rest() {
         "set tile 1",
         "set tile 40",
         "set camera fly",
+        "set effects all",
+        "press x",
+        "press g",
+        "press f",
+        "press tab",
+        "press h",
+        "press 8",
+        "press 1",
+        "press 6",
+        "set overlay lanes",
+        "set motion play",
+        "set motion stop",
+        "set time 0.7",
+        "press .",
+        "press ,",
         "set camera orbit",
         "set fov 179",
         "set exposure -50",
@@ -185,14 +201,14 @@ fn any_sequence_of_events_ends_at_rest() {
         "drag left 1e38 1e38",
     ];
     let mut random = 12345u64;
-    for _ in 0..4 {
+    for scene in [scene(), motion::swaying()].iter().cycle().take(6) {
         let mut text = String::new();
         for i in 0..40 {
             random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             text += &format!("{} {}\n", f64::from(i) * 0.004, deeds[(random >> 33) as usize % deeds.len()]);
         }
         text += "0.2 rest\n0 quit\n0 press w";
-        let played = played(&scene, &text).unwrap();
+        let played = played(scene, &text).unwrap();
         assert_eq!(played.hashes.len(), 1, "{text}");
         let frame = played.frames.last().unwrap();
         assert_eq!(frame.share, 1.0, "{text}");

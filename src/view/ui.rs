@@ -112,6 +112,7 @@ impl Ui {
             }
             Command::CopyToml => self.copy(toml),
             Command::CopyFlags => self.copy(flags),
+            Command::Step(ahead) => vec![Wish::Send(Event::Step(ahead))],
             Command::Brighter(more) => vec![Wish::Send(Event::Brighten(if more { 0.5 } else { -0.5 }))],
             Command::FullScreen => vec![Wish::FullScreen],
             Command::Quit => vec![Wish::Send(Event::Quit)],

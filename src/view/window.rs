@@ -6,6 +6,7 @@ use super::{
     link::Link,
     picture::{News, Picture},
     renderer::beside,
+    setting::Setting,
     ui::{Ui, Wish},
 };
 use crate::{
@@ -61,6 +62,7 @@ pub fn open(scene: &Scene, options: &RenderOptions, frame_time: Duration) -> Res
         News::Note(note) => ended.wake(Wake::Note(note)),
     };
     beside(scene, options, frame_time, &link, tell, || {
+        link.send(Event::Set(Setting::Play(true)));
         let mut app = App {
             link: &link,
             latest: &latest,
@@ -300,6 +302,7 @@ fn name_of(key: &Key) -> Option<String> {
             NamedKey::Escape => "escape",
             NamedKey::Home => "home",
             NamedKey::Tab => "tab",
+            NamedKey::Space => "space",
             NamedKey::F1 => "f1",
             NamedKey::F11 => "f11",
             _ => return None,

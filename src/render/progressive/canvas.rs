@@ -7,9 +7,9 @@ use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 /// Side in pixels of the squares that have a level each. Nobody cuts tiles finer.
 pub(super) const CELL: u32 = 16;
 
-/// The traced pixels, and how far each cell is. Written by many workers, each its own pixels; whoever reads a pixel has
-/// waited for its writer, as the scheduler does.
-pub(super) struct Canvas {
+/// The traced pixels of an image that is being refined, and how far each cell is. Written by many workers, each its own
+/// pixels; whoever reads a pixel has waited for its writer, as the scheduler does.
+pub struct Canvas {
     /// Linear.
     pub(super) film: Film,
     /// As they are shown: 0x00rrggbb.
@@ -19,6 +19,13 @@ pub(super) struct Canvas {
     /// Sum of differences between neighbours in the cell, in bytes of sRGB.
     variation: Vec<AtomicU32>,
     pub(super) columns: u32,
+}
+
+impl Default for Canvas {
+    /// Without pixels.
+    fn default() -> Canvas {
+        Canvas::new([0, 0])
+    }
 }
 
 impl Canvas {
@@ -32,6 +39,11 @@ impl Canvas {
             variation: (0..cells).map(|_| AtomicU32::new(0)).collect(),
             columns,
         }
+    }
+
+    /// Width and height.
+    pub(super) fn size(&self) -> [u32; 2] {
+        [self.film.width(), self.film.height()]
     }
 
     /// Forgets everything.

@@ -12,7 +12,7 @@ mod level;
 mod map;
 mod task;
 
-pub use canvas::Tone;
+pub use canvas::{Canvas, Tone};
 pub use level::Level;
 pub use map::RayMap;
 
@@ -25,7 +25,7 @@ use crate::{
     schedule::{Control, FrameStats, Master, Placement, Schedule, with_workers},
     tile::{Order, Tile, tiles},
 };
-use canvas::{CELL, Canvas};
+use canvas::CELL;
 use std::sync::atomic::{AtomicBool, AtomicU32};
 use std::time::Instant;
 use task::{Job, Pass, Refinement};
@@ -90,11 +90,32 @@ impl Stage<'_> {
         halt: &AtomicBool,
         body: impl FnOnce(&mut Progressive<'_, '_>) -> Result<R>,
     ) -> Result<R> {
+        self.with_progressive_on(&mut Canvas::default(), placement, halt, body)
+    }
+
+    /// The same on the memory of an earlier image, which is kept for a later one.
+    ///
+    /// # Errors
+    /// As [`with_workers`].
+    pub fn with_progressive_on<R>(
+        &self,
+        memory: &mut Canvas,
+        placement: &Placement,
+        halt: &AtomicBool,
+        body: impl FnOnce(&mut Progressive<'_, '_>) -> Result<R>,
+    ) -> Result<R> {
         let (render, camera) = (self.task(), self.camera());
         let RenderOptions { size, order, .. } = *self.options();
+        let mut canvas = std::mem::take(memory);
+        if canvas.size() != size {
+            canvas = Canvas::new(size);
+        }
+        canvas.clear();
         with_workers(&Refinement { render, halt }, placement, |master| {
-            let (canvas, tone) = (Canvas::new(size), Tone::new(0.0));
-            body(&mut Progressive { master, canvas, camera, tone, size, order })
+            let mut session = Progressive { master, canvas, camera, tone: Tone::new(0.0), size, order };
+            let done = body(&mut session);
+            *memory = session.canvas;
+            done
         })
     }
 }

@@ -1,5 +1,6 @@
 //! The commands as users run them: results, files, exit codes, and one sentence for each mistake.
 
+mod accuracy;
 mod bench;
 mod coherence;
 mod motion;

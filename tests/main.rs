@@ -1,5 +1,6 @@
 //! The one integration-test binary; a module per subject.
 
+mod accuracy; // the f64 reference; promised errors
 mod agree; // every kernel against brute force
 mod bad_input; // numbers without a meaning
 mod batch; // many rays at once against single rays

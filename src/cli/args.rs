@@ -1,8 +1,9 @@
 //! What was typed. Values are checked one by one here; what they mean together is settled in `options`.
 
-use super::study_args::{BenchArgs, CoherenceArgs, ScalingArgs, StabilityArgs};
+use super::study_args::{AccuracyArgs, BenchArgs, CoherenceArgs, ScalingArgs, StabilityArgs};
 use super::value::{
-    IsaChoice, field_of_view, milliseconds, number, one_of, rate, seconds, share, size, vector, whole,
+    IsaChoice, budget, field_of_view, max_error, milliseconds, number, one_of, rate, seconds, share, size,
+    vector, whole,
 };
 use crate::{
     bvh::BuildPreset,
@@ -57,6 +58,8 @@ pub(super) enum Command {
     Trace(TraceArgs),
     /// Prove that visibility is exact: aimed rays, hard meshes, spawned rays, every kernel and instruction set
     Stability(StabilityArgs),
+    /// Show what accuracy costs: every approximation's time, and its error against a reference
+    Accuracy(AccuracyArgs),
     /// Repeat the thesis' study of coherence: what consecutive rays share, and what remembering it saves
     Coherence(CoherenceArgs),
     /// Measure scheduling strategies by number of workers, and simulate more workers than there are
@@ -104,12 +107,40 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "FILE")]
     pub(super) export_json: Option<PathBuf>,
     #[command(flatten)]
+    pub(super) wish: WishArgs,
+    #[command(flatten)]
     pub(super) view: ViewArgs,
     #[command(flatten)]
     pub(super) sampling: SamplingArgs,
     #[command(flatten)]
     pub(super) engine: EngineArgs,
 }
+
+/// What the image is to be like, instead of how it is made.
+#[derive(Args, Clone, Copy, Debug)]
+#[command(
+    next_help_heading = "Accuracy and time (modes are chosen by a study, once for a scene and machine)"
+)]
+pub(super) struct WishArgs {
+    /// Choose the cheapest modes whose image is no farther than this RMSE from one of very many samples: of linear values
+    /// in [0, 1], such as 0.01
+    #[arg(
+        long, value_name = "RMSE", value_parser = max_error, allow_negative_numbers = true,
+        conflicts_with_all = CHOSEN
+    )]
+    pub(super) max_error: Option<f64>,
+    /// Choose the most accurate modes that build the tree and render all frames in so many seconds; with --max-error, the
+    /// cheapest that keep both
+    #[arg(
+        long, value_name = "SECONDS", value_parser = budget, allow_negative_numbers = true,
+        conflicts_with_all = CHOSEN
+    )]
+    pub(super) time_budget: Option<f64>,
+}
+
+/// Flags that would set what wishes choose.
+const CHOSEN: [&str; 7] =
+    ["samples", "light_samples", "bounces", "max_depth", "cutoff", "visibility", "build"];
 
 /// How far light is followed, and by how many samples.
 #[derive(Args, Clone, Copy, Debug)]

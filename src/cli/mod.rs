@@ -6,9 +6,11 @@
 //!
 //! The only module that names clap, indicatif and ctrlc.
 
+mod accuracy;
 mod animate;
 mod args;
 mod bench;
+mod cache;
 mod coherence;
 mod common;
 mod export;
@@ -26,6 +28,7 @@ mod trace;
 mod usage;
 mod value;
 mod view;
+mod wish;
 
 use crate::error::{Error, Result};
 use args::{Command, CommandLine, Talk};
@@ -56,6 +59,7 @@ fn run(command: &Command, talk: Talk) -> Result<()> {
         Command::Scenes(args) => scenes::run(args),
         Command::Bench(args) => bench::run(args, talk),
         Command::Trace(args) => trace::run(args, talk),
+        Command::Accuracy(args) => accuracy::run(args, talk),
         Command::Stability(args) => stability::run(args, talk),
         Command::Coherence(args) => coherence::run(args, talk),
         Command::Scaling(args) => scaling::run(args, talk),

@@ -7,6 +7,7 @@ use super::{
     interrupt,
     options::{check, render_options, replace_sampling, replace_view},
     terminal::{self, Progress},
+    wish::{grant, refuse_for_many_images},
 };
 use crate::{
     effects::Effect,
@@ -39,14 +40,20 @@ pub(super) fn run(args: &RenderArgs, talk: Talk) -> Result<()> {
     for warning in &scene.warnings {
         log::warn!("{warning}");
     }
+    let own_camera = scene.camera;
     replace_view(&mut scene, &args.view)?;
     replace_sampling(&mut scene, &args.sampling);
     animate::pose(&mut scene, args)?;
     if first.is_some() {
+        refuse_for_many_images(&args.wish)?;
         drop(output);
         return animate::run(args, scene, load_seconds, export, talk);
     }
-    let options = render_options(args, &scene)?;
+    let mut options = render_options(args, &scene)?;
+    // What accuracy costs is known from the scene's own camera, for all others as well.
+    let camera = std::mem::replace(&mut scene.camera, own_camera);
+    grant(&args.wish, &mut scene, &mut options, talk)?;
+    scene.camera = camera;
     let mut viewer =
         args.tev.as_deref().map(|tev| Tev::connect(tev, &scene.name, options.size)).transpose()?;
     let rendered = render_with_progress(&scene, &options, &mut viewer, talk)?;

@@ -76,6 +76,52 @@ pub(super) struct BenchArgs {
     pub(super) export: ExportArgs,
 }
 
+/// `irt accuracy`.
+#[derive(Args, Debug)]
+pub(super) struct AccuracyArgs {
+    /// Scenes as for render [default: atrium, gallery]
+    #[arg(value_name = "SCENE")]
+    pub(super) scenes: Vec<String>,
+    /// Smaller images and fewer rounds: less than a minute for a scene on two cores
+    #[arg(long)]
+    pub(super) quick: bool,
+    /// Longest side of the images in pixels [default: 512, quick 256]
+    #[arg(
+        long, value_name = "N", value_parser = whole(16..=4096u32), allow_negative_numbers = true
+    )]
+    pub(super) side: Option<u32>,
+    /// Samples per pixel of the image that all are compared with
+    #[arg(
+        long, value_name = "N", default_value = "256", value_parser = whole(2..=65_536u32), allow_negative_numbers = true
+    )]
+    pub(super) converged: u32,
+    /// Rounds at least of each mode and the default by turns [default: 5, quick 3]
+    #[arg(
+        long, value_name = "N", value_parser = whole(1..=1000usize), allow_negative_numbers = true
+    )]
+    pub(super) rounds: Option<usize>,
+    /// Threads that render [default: one per physical core]
+    #[arg(long, value_name = "N", value_parser = whole(1..=1024usize), allow_negative_numbers = true)]
+    pub(super) threads: Option<usize>,
+    #[command(flatten)]
+    pub(super) pin: PinArgs,
+    #[command(flatten)]
+    pub(super) kernels: KernelArgs,
+    /// Rays aimed at closed meshes by each way to trace [default: 2000000, quick 200000]
+    #[arg(
+        long, value_name = "N", value_parser = whole(1000..=1_000_000_000u64), allow_negative_numbers = true
+    )]
+    pub(super) rays: Option<u64>,
+    /// Write everything as one HTML page, with plots and maps
+    #[arg(long, value_name = "FILE")]
+    pub(super) report: Option<PathBuf>,
+    /// Write a map of where each mode differs as a PNG to this folder
+    #[arg(long, value_name = "DIR")]
+    pub(super) maps: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) export: ExportArgs,
+}
+
 /// `irt stability`.
 #[derive(Args, Debug)]
 pub(super) struct StabilityArgs {

@@ -154,6 +154,20 @@ pub(super) fn factor(text: &str) -> Result<f64, String> {
     factor.ok_or_else(|| format!("'{text}' is not a factor; give a number from 1 to 100, such as 1.05"))
 }
 
+/// Takes a root of a mean square error.
+pub(super) fn max_error(text: &str) -> Result<f64, String> {
+    let error = text.trim().parse().ok().filter(|error: &f64| *error > 0.0 && *error <= 1.0);
+    error.ok_or_else(|| {
+        format!("'{text}' is no error; give an RMSE greater than 0 and at most 1, such as 0.01")
+    })
+}
+
+/// Takes seconds of a render.
+pub(super) fn budget(text: &str) -> Result<f64, String> {
+    let seconds = text.trim().parse().ok().filter(|seconds: &f64| *seconds > 0.0 && *seconds <= 1.0e6);
+    seconds.ok_or_else(|| format!("'{text}' is no time; give seconds up to 1000000, such as 2.5"))
+}
+
 /// Takes milliseconds of a frame.
 pub(super) fn milliseconds(text: &str) -> Result<f64, String> {
     let number = text.trim().parse().ok().filter(|ms: &f64| (1.0..=10000.0).contains(ms));

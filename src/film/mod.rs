@@ -1,7 +1,10 @@
 //! The image while it is being made: linear f32 RGB that all workers write at once.
 
+mod hash;
+
+pub use hash::Hash;
+
 use crate::tile::Tile;
-use sha2::{Digest, Sha256};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 /// A `width` x `height` image of linear f32 RGB, black at first.
@@ -149,14 +152,14 @@ impl Film {
     /// SHA-256 over the pixels as little-endian f32 red, green, blue, row by row, in lower-case hexadecimal: equal
     /// exactly if the images are equal bit by bit.
     pub fn sha256(&self) -> String {
-        let mut hasher = Sha256::new();
+        let mut hasher = Hash::default();
         let mut bytes = Vec::with_capacity(self.width as usize * 12);
         for y in 0..self.height {
             bytes.clear();
             bytes.extend(self.row(y).flatten().flat_map(f32::to_le_bytes));
             hasher.update(&bytes);
         }
-        hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+        hasher.hex()
     }
 }
 

@@ -13,15 +13,15 @@ use crate::{
     kernels::Kernels,
     scene::Scene,
     schedule::{Control, FilmMode, FrameStats, Master, Placement, Schedule, Source, with_workers},
-    shade::{PLAIN, PathTable, SurfaceTable},
+    shade::{PLAIN, PathTable, RayTally, SurfaceTable},
     tile::{Tile, tiles},
 };
-use std::{ops::Range, time::Instant};
+use std::{ops::Range, sync::Arc, time::Instant};
 
 /// What a scene is rendered by, as far as it is worth keeping when the scene has moved or is rendered another way.
 #[derive(Clone, Debug)]
 pub struct Geometry {
-    pub(super) bvh: Bvh,
+    pub(super) bvh: Arc<Bvh>,
     table: SurfaceTable,
     /// The effects that `table` is for.
     set: EffectSet,
@@ -50,7 +50,7 @@ impl<'a> Stage<'a> {
         choose_kernels(options.isa)?;
         scene.check()?;
         let start = Instant::now();
-        let bvh = Bvh::build(&scene.mesh, options.build)?;
+        let bvh = Arc::new(Bvh::build(&scene.mesh, options.build)?);
         let set = options.effects.set(&Reasons::new(scene));
         let geometry = Geometry { bvh, table: SurfaceTable::with_effects(scene, set), set };
         let mut stage = Stage::again(scene, options, geometry)?;
@@ -77,13 +77,39 @@ impl<'a> Stage<'a> {
         self.geometry
     }
 
+    /// Another stage with the same tree, for a scene that differs in nothing but settings and pictures. The quality of the
+    /// tree in `options` does not count.
+    ///
+    /// # Errors
+    /// As [`Stage::new`].
+    ///
+    /// # Panics
+    /// If the scene has another number of triangles.
+    pub fn beside<'b>(&self, scene: &'b Scene, options: &RenderOptions) -> Result<Stage<'b>> {
+        assert_eq!(scene.mesh.len(), self.scene.mesh.len(), "the same mesh");
+        scene.check()?;
+        let set = options.effects.set(&Reasons::new(scene));
+        let table = SurfaceTable::with_effects(scene, set);
+        Stage::again(scene, options, Geometry { bvh: Arc::clone(&self.geometry.bvh), table, set })
+    }
+
+    /// The kernels that trace.
+    pub fn kernels(&self) -> Kernels {
+        self.kernels
+    }
+
+    /// The tree.
+    pub fn bvh(&self) -> &Bvh {
+        &self.geometry.bvh
+    }
+
     /// How it is rendered.
     pub(super) fn options(&self) -> &RenderOptions {
         &self.options
     }
 
     /// The effects that are simulated.
-    pub(super) fn set(&self) -> EffectSet {
+    pub fn set(&self) -> EffectSet {
         self.geometry.set
     }
 
@@ -134,7 +160,7 @@ impl Geometry {
     /// # Errors
     /// As [`Bvh::build`].
     pub fn follow(&mut self, scene: &Scene, build: BuildPreset) -> Result<Update> {
-        let update = self.bvh.follow(&scene.mesh, build)?;
+        let update = Arc::make_mut(&mut self.bvh).follow(&scene.mesh, build)?;
         self.table.pose(&scene.mesh);
         Ok(update)
     }
@@ -200,6 +226,20 @@ impl Session<'_, '_> {
                 Err(error)
             }
         }
+    }
+
+    /// Renders one frame; returns its seconds and rays.
+    ///
+    /// # Errors
+    /// As [`Master::run_frame`]; the film is black then.
+    pub fn frame(
+        &mut self,
+        schedule: Schedule,
+        tiles: &[Tile],
+        control: &Control,
+    ) -> Result<(f64, RayTally)> {
+        let (stats, sum) = self.counted_frame(schedule, tiles, control, &mut |_, _| {})?;
+        Ok((stats.seconds, sum.rays))
     }
 
     /// See [`Master::employ`].

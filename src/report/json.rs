@@ -18,6 +18,11 @@ pub fn to_json(value: &impl Serialize) -> Result<String> {
     }
 }
 
+/// What [`to_json`] has written; `None` if `text` is anything else.
+pub fn from_json<T: serde::de::DeserializeOwned>(text: &str) -> Option<T> {
+    serde_json::from_str(text).ok()
+}
+
 /// An array with one object per row; missing values and numbers that are not finite are null.
 impl Serialize for Table {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {

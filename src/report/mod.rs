@@ -1,10 +1,14 @@
 //! What irt found out, for people and for programs: summaries, statistics, and tables in four formats.
 
+mod accuracy;
+mod accuracy_page;
 mod animation;
 mod bench;
 mod builds;
 mod coherence;
 mod csv;
+mod curves;
+mod html;
 mod json;
 mod markdown;
 mod micro;
@@ -21,11 +25,15 @@ mod terminal;
 mod titled;
 mod timeline;
 
+pub use accuracy::accuracy_report;
+pub use accuracy_page::accuracy_page;
 pub use animation::{AnimationSummary, MomentSummary};
 pub use bench::{BenchRow, bench_summary, bench_table};
 pub use builds::builds_table;
 pub use coherence::coherence_report;
-pub use json::to_json;
+pub use curves::{Curve, Curves};
+pub use html::{escaped, picture};
+pub use json::{from_json, to_json};
 pub use micro::micro_table;
 pub use number::{bytes, count, significant};
 pub use plot::{Plot, Series};

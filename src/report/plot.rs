@@ -1,4 +1,4 @@
-//! Scatter plots with lines, as SVG. The only file that names `plotters`.
+//! Scatter plots with lines, as SVG. This file and `curves.rs` alone name `plotters`.
 
 use crate::error::{Error, Result};
 use plotters::prelude::*;
@@ -31,7 +31,7 @@ pub struct Plot {
 const SIZE: (u32, u32) = (900, 560);
 
 /// Colours that stay apart for most eyes (Okabe and Ito 2008).
-const COLORS: [RGBColor; 8] = [
+pub(super) const COLORS: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),

@@ -82,6 +82,12 @@ impl Texture {
         Texture { name, levels: mip::chain(finest), mapping, density }
     }
 
+    /// The picture without its smaller versions: lookups then take the full one whatever the footprint.
+    pub fn unfiltered(&self) -> Texture {
+        let (name, levels) = (self.name.clone(), self.levels[..1].to_vec());
+        Texture { name, levels, ..*self }
+    }
+
     /// Columns and rows of the full picture.
     pub fn size(&self) -> [u32; 2] {
         self.levels[0].size().map(|side| side as u32)

@@ -29,6 +29,12 @@ impl RayTally {
         self.indirect += other.indirect;
         self.ambient += other.ambient;
     }
+
+    /// Rays of all kinds.
+    pub fn total(&self) -> u64 {
+        let RayTally { primary, shadow, reflection, refraction, indirect, ambient } = *self;
+        primary + shadow + reflection + refraction + indirect + ambient
+    }
 }
 
 /// Splits a tile's time into tracing and the rest, and counts its rays.

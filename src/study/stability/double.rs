@@ -5,7 +5,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 /// `high + low`, where |low| is at most half a unit in the last place of `high`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Double {
+pub(in crate::study) struct Double {
     high: f64,
     low: f64,
 }
@@ -22,16 +22,16 @@ fn two_product(a: f64, b: f64) -> Double {
 }
 
 impl Double {
-    pub(super) fn to_f64(self) -> f64 {
+    pub(in crate::study) fn to_f64(self) -> f64 {
         self.high
     }
 
-    pub(super) fn abs(self) -> Double {
+    pub(in crate::study) fn abs(self) -> Double {
         if self.high < 0.0 { -self } else { self }
     }
 
     /// A quotient; only its relative error of 2^-98 matters here.
-    pub(super) fn divided_by(self, other: Double) -> Double {
+    pub(in crate::study) fn divided_by(self, other: Double) -> Double {
         let first = self.high / other.high;
         let rest = self - other * Double::from(first);
         let second = rest.high / other.high;

@@ -12,7 +12,7 @@
 
 mod accuracy;
 mod aim;
-mod double;
+pub(super) mod double;
 mod fuzz;
 mod images;
 mod kernel;
@@ -142,8 +142,51 @@ pub fn run(
     })
 }
 
+/// What aimed and spawned rays of one way to trace found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Aimed {
+    /// Rays at closed meshes, most of them aimed at vertices and edges.
+    pub rays: u64,
+    /// Those that went through.
+    pub leaks: u64,
+    /// Rays that started on a surface or ended there.
+    pub spawned: u64,
+    /// Those that met that surface.
+    pub self_hits: u64,
+    /// NaN among depths and weights.
+    pub nan: u64,
+}
+
+/// Aims `rays` rays at the closed meshes and spawns as many as `spawned`, for each of `ways` together, with these kernels.
+///
+/// # Errors
+/// As [`run`].
+pub fn aimed(
+    kernels: Kernels,
+    ways: &[Kernel],
+    [rays, spawned]: [u64; 2],
+    threads: usize,
+    stopped: &(dyn Fn() -> bool + Sync),
+) -> Result<Aimed> {
+    let (kernels, ways) = (vec![kernels], ways.to_vec());
+    let setup = Setup { kernels, ways, engines: vec![], threads: threads.max(1), seed: 0, stopped };
+    let leaks = leaks::run(&setup, rays, &|_| {})?;
+    let spawn = spawn::run(&setup, spawned, &|_| {})?;
+    let mut sum = Aimed::default();
+    for cell in &leaks.cells {
+        sum.rays += cell.tally.rays;
+        sum.leaks += cell.tally.leaks;
+        sum.nan += cell.tally.nan;
+    }
+    for cell in &spawn.cells {
+        sum.spawned += cell.rays;
+        sum.self_hits += cell.self_hits;
+    }
+    Ok(sum)
+}
+
 /// Does `count` pieces of work on threads; returns what each thread gathered.
-fn share<T: Send>(
+pub(super) fn share<T: Send>(
     threads: usize,
     count: usize,
     start: impl Fn() -> T + Sync,

@@ -1,0 +1,255 @@
+//! The study of one scene, step by step.
+
+use super::{
+    Battery, Effort, Mode, Omission, Row, SceneAccuracy, Step,
+    compare::Picture,
+    converged_scene, fit,
+    front::front,
+    geometry::View,
+    modes::{Knob, modes},
+    timing::{Bench, Image, Times},
+};
+use crate::{
+    error::{Error, Result},
+    kernels::Isa,
+    render::{RenderOptions, Stage},
+    scene::Scene,
+};
+use std::cell::Cell;
+
+/// Seeds of the two halves of a converged image: none that people use.
+pub(super) const HALVES: [u64; 2] = [0x5eed_0001, 0x5eed_0002];
+
+pub(super) struct Study<'a> {
+    scene: &'a Scene,
+    effort: &'a Effort,
+    bench: Bench<'a>,
+    modes: Vec<Mode>,
+    omissions: Vec<Omission>,
+    /// With the tree and the settings of the default.
+    stage: Stage<'a>,
+    /// Seconds of a default frame, roughly.
+    frame: f64,
+    done: Cell<f64>,
+}
+
+impl<'a> Study<'a> {
+    pub(super) fn new(scene: &'a Scene, effort: &'a Effort, bench: Bench<'a>) -> Result<Study<'a>> {
+        let (modes, omissions) = modes(scene, &bench.options);
+        let stage = Stage::new(scene, &bench.options)?;
+        let tiles = stage.tiles(bench.options.tile);
+        let frame = stage.with_session(&bench.placement, |session| {
+            session.frame(bench.options.schedule, &tiles, bench.control)?;
+            Ok(session.frame(bench.options.schedule, &tiles, bench.control)?.0)
+        })?;
+        Ok(Study { scene, effort, bench, modes, omissions, stage, frame, done: Cell::new(0.0) })
+    }
+
+    pub(super) fn run(&self, battery: &mut Battery, tell: &dyn Fn(Step)) -> Result<SceneAccuracy> {
+        let of: f64 = self.modes.iter().map(|&mode| self.estimate(mode)).sum();
+        let of = of + self.converged_estimate() + self.view_estimate();
+        let step = |seconds: f64| {
+            self.done.set(self.done.get() + seconds);
+            tell(Step { done: self.done.get(), of });
+        };
+        step(0.0);
+        let (right, noise) = self.converged()?;
+        step(self.converged_estimate());
+        let view = self.view();
+        step(self.view_estimate());
+        let mut rows = vec![];
+        let mut default: Option<Image> = None;
+        for &mode in &self.modes {
+            let (row, image) = self.row(mode, &right, &view, default.as_ref(), battery)?;
+            rows.push(row);
+            default.get_or_insert(image);
+            step(self.estimate(mode));
+        }
+        let points: Vec<(f64, f64)> =
+            rows.iter().map(|row| (row.times.ratio.median, row.error.rmse)).collect();
+        rows.iter_mut().zip(front(&points)).for_each(|(row, on_front)| row.front = on_front);
+        let Some(default) = default else {
+            return Err(Error::Failed("there is no default mode; please report this".into()));
+        };
+        Ok(SceneAccuracy {
+            scene: self.scene.name.clone(),
+            triangles: self.scene.mesh.len(),
+            size: self.bench.options.size,
+            threads: self.bench.placement.slots().len(),
+            isa: self.bench.options.isa.unwrap_or_else(Isa::detect).name(),
+            converged: self.effort.converged,
+            noise,
+            rows,
+            omissions: self.omissions.clone(),
+            picture: default.picture,
+        })
+    }
+
+    /// The mean of two halves with seeds of their own, and the RMSE of its noise: half of that between the halves.
+    fn converged(&self) -> Result<(Picture, f64)> {
+        converged(self.scene, &self.stage, &self.bench, self.effort.converged)
+    }
+
+    fn view(&self) -> View {
+        let size = fit(self.bench.options.size, self.effort.reference_side);
+        let threads = self.bench.placement.slots().len();
+        View::new(self.scene, self.stage.bvh(), self.stage.kernels(), size, threads)
+    }
+
+    /// What a mode costs and changes, and its image. Without a `default` image, it is that itself.
+    fn row(
+        &self,
+        mode: Mode,
+        right: &Picture,
+        view: &View,
+        default: Option<&Image>,
+        battery: &mut Battery,
+    ) -> Result<(Row, Image)> {
+        let options = mode.options(&self.bench.options);
+        let scene = mode.scene(self.scene);
+        let stage = self.stage(&scene, &options)?;
+        let (image, times) = self.bench.measure(&self.stage, &stage, &scene, mode, self.effort.patience)?;
+        let geometric = mode.knob().is_none_or(Knob::is_geometric);
+        let geometry = geometric
+            .then(|| view.measure(&stage, self.scene, mode, &self.bench.options, self.bench.control))
+            .transpose()?;
+        let threads = self.bench.placement.slots().len();
+        let aimed = battery.aim(mode, &self.bench.options, self.effort.aimed, threads)?;
+        let beside = default.unwrap_or(&image);
+        let row = Row { geometry, aimed, ..judge(mode, times, &image, right, beside) };
+        Ok((row, image))
+    }
+
+    /// The stage of a mode: with the tree of the default, unless it asks for another.
+    fn stage<'s>(&self, scene: &'s Scene, options: &RenderOptions) -> Result<Stage<'s>> {
+        if options.build == self.bench.options.build {
+            self.stage.beside(scene, options)
+        } else {
+            Stage::new(scene, options)
+        }
+    }
+
+    fn converged_estimate(&self) -> f64 {
+        self.frame * f64::from(self.effort.converged) / f64::from(self.scene.settings.samples)
+    }
+
+    fn view_estimate(&self) -> f64 {
+        let size = fit(self.bench.options.size, self.effort.reference_side).map(f64::from);
+        let rays = size[0] * size[1] * (1.0 + self.scene.lights.len() as f64);
+        2.0e-6 * rays / self.bench.placement.slots().len() as f64
+    }
+
+    fn estimate(&self, mode: Mode) -> f64 {
+        let settings = &self.scene.settings;
+        let share = match mode {
+            Mode::Samples(count) => f64::from(count) / f64::from(settings.samples),
+            Mode::LightSamples(count) => 0.2 + 0.8 * f64::from(count) / f64::from(settings.light_samples),
+            _ => 1.0,
+        };
+        let patience = self.effort.patience;
+        let round = self.frame * (1.0 + share);
+        let least = patience.least as f64 * round;
+        let most = patience.most as f64 * round;
+        let aims = matches!(mode, Mode::Default | Mode::Visibility(_) | Mode::Kernel(_) | Mode::Isa(_));
+        let aimed = if aims { self.effort.aimed[0] as f64 * 4.0e-6 } else { 0.0 };
+        least.max(patience.seconds.min(most)) + round + aimed + 0.1
+    }
+}
+
+/// What is wrong with an image, beside the right one and that of the default.
+fn judge(mode: Mode, times: Times, image: &Image, right: &Picture, default: &Image) -> Row {
+    let against = if mode.knob().is_none_or(Knob::converges) { right } else { &default.picture };
+    Row {
+        mode,
+        times,
+        error: image.picture.distance(right),
+        change: image.picture.distance(&default.picture),
+        same: image.hash.as_ref().map(|hash| Some(hash) == default.hash.as_ref()),
+        nan: image.nan,
+        geometry: None,
+        aimed: None,
+        map: image.picture.differences(against),
+        front: false,
+    }
+}
+
+/// The image that sampling should come to, and the RMSE of its noise.
+///
+/// # Errors
+/// As [`crate::render::render`].
+pub(super) fn converged(scene: &Scene, stage: &Stage, bench: &Bench, samples: u32) -> Result<(Picture, f64)> {
+    let many = converged_scene(scene, samples.div_ceil(2));
+    let half = |seed| {
+        let options = RenderOptions { seed, ..bench.options };
+        let stage = stage.beside(&many, &options)?;
+        let tiles = stage.tiles(options.tile);
+        stage.with_session(&bench.placement, |session| {
+            session.frame(options.schedule, &tiles, bench.control)?;
+            Ok(Picture::of(session.film()))
+        })
+    };
+    let [first, second] = [half(HALVES[0])?, half(HALVES[1])?];
+    Ok((first.mean(&second), 0.5 * first.rmse(&second)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Patience, Spread, options};
+    use super::*;
+    use crate::kernels::Visibility;
+    use crate::schedule::{Control, Machine, Placement};
+    use std::sync::atomic::AtomicBool;
+
+    const EFFORT: Effort = Effort {
+        side: 48,
+        reference_side: 48,
+        converged: 32,
+        patience: Patience { least: 1, most: 1, seconds: 0.0 },
+        aimed: [1000, 300],
+    };
+
+    fn with_study<R>(name: &str, body: impl FnOnce(&Study) -> R) -> R {
+        let scene = crate::scene::load(name).unwrap();
+        let control = Control::unattended();
+        let options = RenderOptions { size: EFFORT.size(scene.size), ..options() };
+        let placement = Placement::new(Machine::get(), options.threads, false);
+        let bench = Bench { placement, options, control: &control };
+        body(&Study::new(&scene, &EFFORT, bench).unwrap())
+    }
+
+    #[test]
+    fn an_injected_error_is_found_with_its_size() {
+        with_study("atrium@0.1", |study| {
+            let (right, _) = study.converged().unwrap();
+            let (_, default) = study
+                .row(Mode::Default, &right, &study.view(), None, &mut Battery::new(&AtomicBool::new(false)))
+                .unwrap();
+            // A quarter more or less in every fifth pixel.
+            let tampered = default.picture.pixels().iter().enumerate().map(|(i, pixel)| match i % 5 {
+                0 => pixel.map(|value| if value < 0.5 { value + 0.25 } else { value - 0.25 }),
+                _ => *pixel,
+            });
+            let picture = Picture::new(default.picture.size(), tampered);
+            let image = Image { picture, hash: Some("another".into()), nan: 3 };
+            let times = Times { seconds: Spread::exactly(1.0), ratio: Spread::exactly(0.5), rays: 1 };
+            let row = judge(Mode::Visibility(Visibility::Fast), times, &image, &right, &default);
+            let share =
+                default.picture.pixels().len().div_ceil(5) as f64 / default.picture.pixels().len() as f64;
+            assert!((row.change.changed - share).abs() < 1e-12, "{:?}", row.change);
+            assert!((row.change.rmse - 0.25 * share.sqrt()).abs() < 1e-6, "{:?}", row.change);
+            assert!((row.change.max - 0.25).abs() < 1e-6 && row.same == Some(false) && row.nan == 3);
+            assert!((0..row.map.len()).all(|i| (row.map[i] > 0.2) == (i % 5 == 0)), "the map shows where");
+        });
+    }
+
+    #[test]
+    fn two_halves_tell_the_noise_of_their_mean() {
+        // Against an image of far more samples, the mean is off by about what the halves say.
+        with_study("atrium@0.1", |study| {
+            let converged = |samples| converged(study.scene, &study.stage, &study.bench, samples).unwrap();
+            let ((few, noise), (many, _)) = (converged(16), converged(1024));
+            let off = few.rmse(&many);
+            assert!(noise > 0.0 && off < 2.0 * noise && off > 0.4 * noise, "{off} against {noise}");
+        });
+    }
+}

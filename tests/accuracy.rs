@@ -74,11 +74,12 @@ fn held_back(camera: &CameraDescription) -> [CameraDescription; 3] {
 #[test]
 fn promised_errors_are_kept_from_cameras_that_nothing_was_measured_from() {
     let effects = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/effects/soft-shadows.toml");
-    for (name, size) in [("atrium@0.1", [48, 36]), (effects.to_str().unwrap(), [40, 30])] {
+    let soft = effects.to_str().unwrap();
+    for (name, size, errors) in [("atrium@0.1", [48, 36], [0.15, 0.05]), (soft, [24, 18], [0.2, 0.1])] {
         let scene = load(name).unwrap();
         let options = RenderOptions { size, tile: 16, ..RENDER };
         let prices = prices(&scene, &options, &Control::unattended(), &|_| {}).unwrap();
-        for error in [0.15, 0.05] {
+        for error in errors {
             let wish = Wish { error: Some(error), seconds: None, size, frames: 1 };
             let choice = choose(&prices, &scene, &options, &wish).unwrap();
             for camera in held_back(&scene.camera) {

@@ -37,7 +37,7 @@ pub(super) fn folder() -> Option<PathBuf> {
 pub(super) fn key(scene: &Scene, options: &RenderOptions) -> String {
     let RenderOptions { isa, kernel, visibility, threads, pin, order, schedule, tile, size, build, .. } =
         *options;
-    let size = price_size(size);
+    let size = price_size(scene, size);
     let threads = Placement::new(Machine::get(), threads, pin).slots().len();
     let isa = isa.unwrap_or_else(Isa::detect);
     let how = format!(

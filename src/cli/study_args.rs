@@ -85,7 +85,7 @@ pub(super) struct AccuracyArgs {
     /// Smaller images and fewer rounds: less than a minute for a scene on two cores
     #[arg(long)]
     pub(super) quick: bool,
-    /// Longest side of the images in pixels [default: 512, quick 256]
+    /// Longest side of the images in pixels; half of it for scenes whose light takes many rays [default: 512, quick 256]
     #[arg(
         long, value_name = "N", value_parser = whole(16..=4096u32), allow_negative_numbers = true
     )]

@@ -81,7 +81,7 @@ fn mistakes_of_accuracy_are_answered_in_a_sentence() {
 
 /// `irt` with a cache of its own in the folder.
 fn render(folder: &Folder, flags: &str) -> std::process::Output {
-    let line = format!("render atrium@0.1 --size 64x48 --threads 1 -o x.png --export-json x.json {flags}");
+    let line = format!("render atrium@0.1 --size 32x24 --threads 1 -o x.png --export-json x.json {flags}");
     folder.irt(&line).env("XDG_CACHE_HOME", folder.path().join("cache")).output().unwrap()
 }
 
@@ -95,10 +95,10 @@ fn wishes_are_granted_by_what_was_measured_once_and_garbage_is_measured_again() 
         assert_eq!(output.status.code(), Some(0), "{told}");
         told
     };
-    let first = told("--max-error 0.03");
+    let first = told("--max-error 0.06");
     assert!(first.contains("not measured yet") && first.contains("chosen: "), "{first}");
     assert!(first.contains("--samples "), "one sample misses that: {first}");
-    let again = told("--max-error 0.03");
+    let again = told("--max-error 0.06");
     assert!(!again.contains("not measured yet") && again.contains("chosen: "), "{again}");
     let lazy = told("--max-error 1 --camera-eye 0,2,0");
     assert!(lazy.contains("chosen: ") && !lazy.contains("--samples "), "{lazy}");
@@ -111,12 +111,12 @@ fn wishes_are_granted_by_what_was_measured_once_and_garbage_is_measured_again() 
     let files: Vec<_> = fs::read_dir(&cache).unwrap().map(|entry| entry.unwrap().path()).collect();
     assert_eq!(files.len(), 1, "{files:?}");
     fs::write(&files[0], "{\"key\": 1").unwrap();
-    assert!(told("--max-error 0.03").contains("not measured yet"));
-    assert!(!told("--max-error 0.03").contains("not measured yet"));
+    assert!(told("--max-error 0.06").contains("not measured yet"));
+    assert!(!told("--max-error 0.06").contains("not measured yet"));
 
     // What cannot be had is refused, and nothing is written.
     fs::remove_file(folder.path().join("x.png")).unwrap();
-    for flags in ["--max-error 1e-9", "--time-budget 1e-9", "--max-error 0.03 --time-budget 1e-9"] {
+    for flags in ["--max-error 1e-9", "--time-budget 1e-9", "--max-error 0.06 --time-budget 1e-9"] {
         let output = render(&folder, flags);
         let told = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(1), "{flags}: {told}");

@@ -37,6 +37,7 @@ pub use verdict::{sentence, verdict};
 
 use super::stability::Aimed;
 use crate::{
+    effects::{Effect, Reasons},
     error::Result,
     render::RenderOptions,
     scene::{RenderSettings, Scene},
@@ -48,7 +49,7 @@ use timing::Bench;
 /// How thoroughly.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
-    /// Longest side of the images in pixels.
+    /// Longest side of the images in pixels; half of it where light is followed by many rays for each pixel.
     pub side: u32,
     /// Longest side of the view that the reference traces.
     pub reference_side: u32,
@@ -78,14 +79,31 @@ impl Effort {
         aimed: [200_000, 60_000],
     };
 
-    /// The size of images of a scene that is `size` by itself: its shape, and no side longer than `side`.
-    pub fn size(&self, size: [u32; 2]) -> [u32; 2] {
-        fit(size, self.side)
+    /// The size of a scene's images: its shape, and no side longer than `side`.
+    pub fn size(&self, scene: &Scene) -> [u32; 2] {
+        fit_for(scene, scene.size, self.side)
     }
 }
 
+/// A size of the same shape with no side longer than `side`, or half of that where light is followed by many rays for each
+/// pixel, so that a study of any scene ends in time.
+fn fit_for(scene: &Scene, size: [u32; 2], side: u32) -> [u32; 2] {
+    let set = Reasons::new(scene).set();
+    fit(size, if set.has_any(&MANY_RAYS) { side.div_ceil(2) } else { side })
+}
+
+const MANY_RAYS: [Effect; 7] = [
+    Effect::SoftShadows,
+    Effect::EnvironmentLight,
+    Effect::IndirectLight,
+    Effect::AmbientOcclusion,
+    Effect::Mirror,
+    Effect::Glossy,
+    Effect::Refraction,
+];
+
 /// A size of the same shape with no side longer than `side`.
-pub fn fit(size: [u32; 2], side: u32) -> [u32; 2] {
+fn fit(size: [u32; 2], side: u32) -> [u32; 2] {
     let longest = size[0].max(size[1]);
     if longest <= side {
         return size;
@@ -165,7 +183,7 @@ pub fn accuracy(
     control: &Control,
     tell: &dyn Fn(Step),
 ) -> Result<SceneAccuracy> {
-    let options = RenderOptions { size: effort.size(scene.size), frames: 1, ..*options };
+    let options = RenderOptions { size: effort.size(scene), frames: 1, ..*options };
     let placement = Placement::new(Machine::get(), options.threads, options.pin);
     study::Study::new(scene, effort, Bench { placement, options, control })?.run(battery, tell)
 }

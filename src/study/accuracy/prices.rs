@@ -8,7 +8,7 @@
 use super::{
     Patience, Spread,
     compare::Picture,
-    fit,
+    fit_for,
     modes::{Knob, Mode, modes},
     study::converged,
     timing::{Bench, Image, Times},
@@ -71,9 +71,9 @@ const SIDE: u32 = 256;
 const CONVERGED: u32 = 128;
 const PATIENCE: Patience = Patience { least: 3, most: 15, seconds: 0.25 };
 
-/// The size of the images that are measured for one of `size`.
-pub fn price_size(size: [u32; 2]) -> [u32; 2] {
-    fit(size, SIDE)
+/// The size of the images of a scene that are measured for one of `size`.
+pub fn price_size(scene: &Scene, size: [u32; 2]) -> [u32; 2] {
+    fit_for(scene, size, SIDE)
 }
 
 /// The camera and two others: one that has gone around a little and nearer, one that has turned.
@@ -95,7 +95,7 @@ pub fn prices(
     control: &Control,
     tell: &dyn Fn(f64),
 ) -> Result<Prices> {
-    let options = RenderOptions { size: price_size(options.size), frames: 1, ..*options };
+    let options = RenderOptions { size: price_size(scene, options.size), frames: 1, ..*options };
     let placement = Placement::new(Machine::get(), options.threads, options.pin);
     let bench = Bench { placement, options, control };
     let mut all: Option<Prices> = None;

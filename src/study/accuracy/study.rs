@@ -211,7 +211,7 @@ mod tests {
     fn with_study<R>(name: &str, body: impl FnOnce(&Study) -> R) -> R {
         let scene = crate::scene::load(name).unwrap();
         let control = Control::unattended();
-        let options = RenderOptions { size: EFFORT.size(scene.size), ..options() };
+        let options = RenderOptions { size: EFFORT.size(&scene), ..options() };
         let placement = Placement::new(Machine::get(), options.threads, false);
         let bench = Bench { placement, options, control: &control };
         body(&Study::new(&scene, &EFFORT, bench).unwrap())

@@ -170,3 +170,32 @@ fn a_new_camera_forgets_every_pixel_of_the_last_one() {
         assert_eq!(session.film().sha256(), expected);
     });
 }
+
+#[test]
+fn a_sketch_shows_the_same_and_leaves_the_image_for_later() {
+    let scene = scene();
+    let expected = render(&scene, &RENDER, &Control::unattended()).unwrap().film.sha256();
+    for schedule in Schedule::all() {
+        let options = RenderOptions { threads: Some(2), schedule, ..RENDER };
+        refined(&scene, &options, &AtomicBool::new(false), |session| {
+            let [sketch, image] = [true, false].map(|sketch| {
+                match sketch {
+                    true => session.begin_sketch(&scene.camera, &Tone::new(0.5)),
+                    false => session.begin(&scene.camera, &Tone::new(0.5)),
+                }
+                assert_eq!((session.share(), session.is_sketch()), (0.0, sketch));
+                [Level::Half, Level::Full].map(|level| {
+                    let targets = to(session, 64, level);
+                    session.trace(schedule, &targets, Limit::Whole).unwrap();
+                    let full = level == Level::Full;
+                    assert_eq!((session.traced(), session.complete()), (full, full && !sketch));
+                    let mut picture = vec![];
+                    session.fill(schedule, &mut picture).unwrap();
+                    assert_eq!(session.film().sha256() == expected, full && !sketch);
+                    plain(&picture)
+                })
+            });
+            assert!(sketch == image && sketch[0] != sketch[1], "{schedule:?}");
+        });
+    }
+}

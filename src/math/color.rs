@@ -20,26 +20,27 @@ pub fn srgb8_to_linear() -> [f32; 256] {
 /// [`linear_to_srgb8`] by a table: the same bytes, some ten times as fast.
 #[derive(Clone, Debug)]
 pub struct SrgbTable {
-    /// By the leading bits of a value: the byte of the least such value, ...
-    bytes: Vec<u8>,
-    /// ... and the least value beyond which the byte is one more; none of these ranges of values has three bytes.
-    next: Vec<f32>,
+    /// By the leading bits of a value: the byte of the least such value, and the bits of the least value beyond which the
+    /// byte is one more; none of these ranges of values has three bytes. Side by side, so that they come from the same place
+    /// in memory.
+    steps: Box<[[u32; 2]; PLACES]>,
 }
 
 /// Values below this are black.
 const LEAST: f32 = 1.0 / 8192.0;
 /// Bits of a value that are left out of its place in the table.
-const SHIFT: u32 = 15;
+const SHIFT: u32 = 16;
+/// Places in the table, a power of two; those behind the value 1 are not used.
+const PLACES: usize = 2048;
 
 impl SrgbTable {
     /// Makes the table.
     pub fn new() -> SrgbTable {
         let (first, last) = (LEAST.to_bits() >> SHIFT, 1f32.to_bits() >> SHIFT);
-        let (mut bytes, mut next) = (vec![], vec![]);
+        let mut steps = Box::new([[255, u32::MAX]; PLACES]);
         for place in first..=last {
             let (mut low, mut high) = (place << SHIFT, (place + 1) << SHIFT);
             let byte = linear_to_srgb8(f32::from_bits(low));
-            bytes.push(byte);
             // The least value of another byte; the end of the range if there is none.
             while low < high {
                 let middle = low + (high - low) / 2;
@@ -49,17 +50,19 @@ impl SrgbTable {
                     low = middle + 1;
                 }
             }
-            next.push(f32::from_bits(low));
+            steps[(place - first) as usize] = [byte.into(), low];
         }
-        SrgbTable { bytes, next }
+        SrgbTable { steps }
     }
 
     /// What [`linear_to_srgb8`] returns.
+    #[inline(always)]
     pub fn encode(&self, linear: f32) -> u8 {
-        // A NaN ends up at the least value, too.
-        let value = if linear > LEAST { linear.min(1.0) } else { LEAST };
-        let place = ((value.to_bits() >> SHIFT) - (LEAST.to_bits() >> SHIFT)) as usize;
-        self.bytes[place] + u8::from(value >= self.next[place])
+        // As integers, positive values are in their own order, negative ones below them and NaN anywhere.
+        let bits = if linear.is_nan() { 0 } else { linear.to_bits() as i32 };
+        let bits = bits.clamp(LEAST.to_bits() as i32, 1f32.to_bits() as i32) as u32;
+        let [byte, next] = self.steps[((bits >> SHIFT) - (LEAST.to_bits() >> SHIFT)) as usize % PLACES];
+        (byte + u32::from(bits >= next)) as u8
     }
 }
 

@@ -181,11 +181,15 @@ impl Maker<'_, '_, '_> {
     fn frame(&mut self) -> Result<()> {
         let begin = Instant::now();
         let start = self.kept.begun.take().unwrap_or(begin);
-        self.session.begin(&self.state.rig.camera, &self.state.tone);
         let [width, height] = self.state.options.size;
         let (pixels, workers) = (f64::from(width) * f64::from(height), self.session.workers());
         let left = self.kept.pacer.left(begin - start);
         let base = self.kept.pacer.base(left, pixels, workers);
+        // With time for every pixel, the image need not be there before the camera rests.
+        match base {
+            Level::Full => self.session.begin_sketch(&self.state.rig.camera, &self.state.tone),
+            _ => self.session.begin(&self.state.rig.camera, &self.state.tone),
+        }
         let side = (self.state.options.tile * base.spacing()).min(LARGEST_TILE.max(self.state.options.tile));
         let targets: Vec<Target> =
             self.session.tiles(side).into_iter().map(|tile| Target { tile, level: base }).collect();
@@ -197,7 +201,7 @@ impl Maker<'_, '_, '_> {
         let deadline = begin + Duration::from_secs_f64(self.kept.pacer.left(begin - start));
         loop {
             let left = deadline.saturating_duration_since(Instant::now()).as_secs_f64();
-            if left < SHORTEST_PASS || self.session.complete() {
+            if left < SHORTEST_PASS || self.session.traced() {
                 break;
             }
             rays.add(&self.pass(left, Limit::Until(deadline))?.rays);
@@ -207,12 +211,33 @@ impl Maker<'_, '_, '_> {
         self.publish(Made { start, latency, moved: true, base, rays, map })
     }
 
-    /// The picture becomes finer.
+    /// The picture becomes finer, or the sketch an image.
     fn refine(&mut self) -> Result<()> {
         let start = Instant::now();
+        if self.session.is_sketch() {
+            self.session.begin(&self.state.rig.camera, &self.state.tone);
+            self.kept.image_seconds = 0.0;
+        }
+        if self.session.level(self.session.whole()) == Level::Nothing {
+            return self.whole(start);
+        }
         let Traced { complete, rays, .. } = self.pass(REST_PASS, Limit::Halt)?;
         if complete {
             let base = self.session.level(self.session.whole());
+            self.publish(Made { start, latency: None, moved: false, base, rays, map: None })?;
+        }
+        Ok(())
+    }
+
+    /// Traces all pixels, which takes no longer than a frame did, and shows them unless an event comes first.
+    fn whole(&mut self, start: Instant) -> Result<()> {
+        let tiles = self.session.tiles(self.state.options.tile);
+        let targets: Vec<Target> =
+            tiles.into_iter().map(|tile| Target { tile, level: Level::Full }).collect();
+        let traced = self.session.trace(self.state.options.schedule, &targets, Limit::Halt)?;
+        self.kept.image_seconds += traced.stats.seconds;
+        if traced.complete {
+            let (base, rays) = (Level::Full, traced.rays);
             self.publish(Made { start, latency: None, moved: false, base, rays, map: None })?;
         }
         Ok(())

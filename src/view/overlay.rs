@@ -100,9 +100,12 @@ fn workers(picture: &Picture) -> (Vec<u32>, String) {
 
 fn time(picture: &Picture) -> (Vec<u32>, String) {
     let per_pixel = |span: &crate::schedule::Span| (span.end - span.start) / span.tile.len().max(1) as f64;
-    let most = picture.frame.spans.iter().map(per_pixel).fold(1e-12, f64::max);
+    // A tile in which a worker was interrupted, or met memory for the first time, shall not leave all others blue.
+    let mut times: Vec<f64> = picture.frame.spans.iter().map(per_pixel).collect();
+    times.sort_unstable_by(f64::total_cmp);
+    let most = times.get(times.len() * 19 / 20).map_or(1e-12, |&most| most.max(1e-12));
     let colors = spans(picture, |span| heat(per_pixel(span) / most));
-    (colors, format!("blue to red: time per pixel, up to {:.0} ns", most * 1e9))
+    (colors, format!("blue to red: time per pixel, up to {:.0} ns or more", most * 1e9))
 }
 
 fn samples(picture: &Picture) -> (Vec<u32>, String) {

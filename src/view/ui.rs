@@ -230,6 +230,13 @@ fn bar(surface: &mut Surface, [x, y]: [u32; 2], [width, height]: [u32; 2], load:
 
 /// The picture, changed pixel by pixel, and stretched if the surface has another size by now.
 fn copy(picture: &Picture, surface: &mut Surface, change: impl Fn(usize, u32) -> u32) {
+    if picture.size == surface.size {
+        // By far the most frequent case, on the thread that answers the user.
+        for (i, (to, from)) in surface.pixels.iter_mut().zip(&picture.pixels).enumerate() {
+            *to = change(i, from.load(Ordering::Relaxed));
+        }
+        return;
+    }
     let [width, height] = surface.size.map(|side| side as usize);
     let [from_width, from_height] = picture.size.map(|side| side as usize);
     for (y, row) in surface.pixels.chunks_exact_mut(width.max(1)).enumerate() {

@@ -12,6 +12,8 @@ pub(super) const CELL: u32 = 16;
 pub struct Canvas {
     /// Linear.
     pub(super) film: Film,
+    /// Whether `film` gets what is traced; else only `samples` do.
+    pub(super) linear: bool,
     /// As they are shown: 0x00rrggbb.
     pub(super) samples: Vec<AtomicU32>,
     /// [`Level`] of each cell, row by row.
@@ -34,6 +36,7 @@ impl Canvas {
         let cells = columns as usize * height.div_ceil(CELL) as usize;
         Canvas {
             film: Film::new(width, height),
+            linear: true,
             samples: (0..width as usize * height as usize).map(|_| AtomicU32::new(0)).collect(),
             levels: (0..cells).map(|_| AtomicU8::new(0)).collect(),
             variation: (0..cells).map(|_| AtomicU32::new(0)).collect(),
@@ -46,8 +49,9 @@ impl Canvas {
         [self.film.width(), self.film.height()]
     }
 
-    /// Forgets everything.
-    pub(super) fn clear(&mut self) {
+    /// Forgets everything; from now on, linear values are kept or not.
+    pub(super) fn clear(&mut self, linear: bool) {
+        self.linear = linear;
         if self.film.nan().is_some() {
             self.film = Film::new(self.film.width(), self.film.height());
         }
@@ -111,19 +115,30 @@ impl Canvas {
     pub(super) fn write(&self, lattice: Lattice, part: Tile, pixels: &[Vec<f32>; 3], tone: &Tone) {
         let Lattice { first, spacing } = lattice;
         let [r, g, b] = pixels;
-        if spacing == 1 {
-            self.film.write_tile(part, r, g, b);
-        } else {
-            self.film.write_spaced(part, first, spacing, r, g, b);
+        match (self.linear, spacing) {
+            (false, _) => {}
+            (true, 1) => self.film.write_tile(part, r, g, b),
+            (true, _) => self.film.write_spaced(part, first, spacing, r, g, b),
         }
+        let width = part.width as usize;
         for row in 0..part.height {
             let line = (first[1] + spacing * (part.y + row)) as usize * self.film.width() as usize;
             let left = line + (first[0] + spacing * part.x) as usize;
-            let from = (row * part.width) as usize;
-            for column in 0..part.width as usize {
-                let i = from + column;
-                let shown = tone.encode([r[i], g[i], b[i]]);
-                self.samples[left + spacing as usize * column].store(shown, Ordering::Relaxed);
+            let from = row as usize * width..(row as usize + 1) * width;
+            let colors = r[from.clone()].iter().zip(&g[from.clone()]).zip(&b[from]);
+            // What surrounds a scene is often of one colour.
+            let (mut last, mut known) = ([f32::NAN; 3], 0);
+            let shown = colors.map(|((&r, &g), &b)| {
+                if last != [r, g, b] {
+                    (last, known) = ([r, g, b], tone.encode([r, g, b]));
+                }
+                known
+            });
+            let samples = self.samples[left..].iter();
+            let store = |(sample, shown): (&AtomicU32, u32)| sample.store(shown, Ordering::Relaxed);
+            match spacing {
+                1 => samples.zip(shown).for_each(store),
+                _ => samples.step_by(spacing as usize).zip(shown).for_each(store),
             }
         }
     }
@@ -181,11 +196,16 @@ impl Tone {
     }
 
     /// 0x00rrggbb. What is not finite is black, as in the film.
-    pub fn encode(&self, linear: [f32; 3]) -> u32 {
-        if !linear.iter().all(|value| value.is_finite()) {
-            return 0;
-        }
-        let [r, g, b] = linear.map(|value| u32::from(self.table.encode(value * self.scale)));
-        r << 16 | g << 8 | b
+    // Without closures: they are not always inlined, and this is called for every pixel of every picture.
+    #[inline(always)]
+    pub fn encode(&self, [r, g, b]: [f32; 3]) -> u32 {
+        let finite = r.is_finite() & g.is_finite() & b.is_finite();
+        let [red, green, blue] = [self.byte(r), self.byte(g), self.byte(b)];
+        if finite { red << 16 | green << 8 | blue } else { 0 }
+    }
+
+    #[inline(always)]
+    fn byte(&self, linear: f32) -> u32 {
+        self.table.encode(linear * self.scale).into()
     }
 }

@@ -110,7 +110,7 @@ impl Stage<'_> {
         if canvas.size() != size {
             canvas = Canvas::new(size);
         }
-        canvas.clear();
+        canvas.clear(true);
         with_workers(&Refinement { render, halt }, placement, |master| {
             let mut session = Progressive { master, canvas, camera, tone: Tone::new(0.0), size, order };
             let done = body(&mut session);
@@ -125,7 +125,19 @@ impl Progressive<'_, '_> {
     pub fn begin(&mut self, camera: &CameraDescription, tone: &Tone) {
         self.camera = Camera::new(camera, self.size[0], self.size[1]);
         self.tone = tone.clone();
-        self.canvas.clear();
+        self.canvas.clear(true);
+    }
+
+    /// Begins a sketch: an image of which only what is shown is kept, which is quicker. It is never [complete](
+    /// Progressive::complete), and [`Progressive::fill`] takes it away once every pixel is traced.
+    pub fn begin_sketch(&mut self, camera: &CameraDescription, tone: &Tone) {
+        self.begin(camera, tone);
+        self.canvas.linear = false;
+    }
+
+    /// Whether this is a sketch.
+    pub fn is_sketch(&self) -> bool {
+        !self.canvas.linear
     }
 
     /// The image cut into tiles of about `side` pixels, in the order of the options.
@@ -170,6 +182,11 @@ impl Progressive<'_, '_> {
             return Err(Error::Failed(
                 "a part of the picture has no pixels at all; please report this".into(),
             ));
+        }
+        if self.is_sketch() && self.traced() {
+            picture.resize_with(self.canvas.samples.len(), || AtomicU32::new(0));
+            std::mem::swap(picture, &mut self.canvas.samples);
+            return Ok(());
         }
         let mut pixels = std::mem::take(picture);
         pixels.resize_with(self.canvas.samples.len(), || AtomicU32::new(0));
@@ -243,8 +260,13 @@ impl Progressive<'_, '_> {
     }
 
     /// Every pixel is traced.
-    pub fn complete(&self) -> bool {
+    pub fn traced(&self) -> bool {
         self.canvas.least(self.whole()) == Level::Full
+    }
+
+    /// Every pixel is traced, and [`Progressive::film`] has it.
+    pub fn complete(&self) -> bool {
+        self.traced() && !self.is_sketch()
     }
 
     /// The traced pixels; others have values of no meaning.

@@ -1,6 +1,7 @@
 //! The one integration-test binary; a module per subject.
 
 mod accuracy; // the f64 reference; promised errors
+mod adaptive; // antialiasing where it shows
 mod agree; // every kernel against brute force
 mod bad_input; // numbers without a meaning
 mod batch; // many rays at once against single rays

@@ -114,27 +114,27 @@ impl Camera {
         [width, height]: [u32; 2],
         packets: &mut [TilePacket; 6],
     ) -> usize {
+        let wanted = within(width, height);
         if self.spacing == 1 {
-            return self.jittered_rays(kernels, self.image_pixel([x, y]), [width, height], &OFFSETS, packets);
+            return self.jittered_rays(kernels, self.image_pixel([x, y]), wanted, &OFFSETS, packets);
         }
         // Whole numbers far below 2^24: exact, so that these are the rays of the whole image.
         let places = OFFSETS.map(|axis| axis.map(|offset| offset * self.spacing as f32));
-        self.jittered_rays(kernels, self.image_pixel([x, y]), [width, height], &places, packets)
+        self.jittered_rays(kernels, self.image_pixel([x, y]), wanted, &places, packets)
     }
 
-    /// The same rays elsewhere in their pixels: `places` has where, by axis and ray, in pixels of the image from the centre of
-    /// its pixel (x, y); see [`pixel_of`].
+    /// Rays through any places of the image: `places` has them, by axis and ray, in pixels from the centre of pixel (x, y); see
+    /// [`pixel_of`]. Only those that are `wanted` take part: a bit for each ray of a sub-packet.
     pub fn jittered_rays(
         &self,
         kernels: &Kernels,
         [x, y]: [u32; 2],
-        [width, height]: [u32; 2],
+        wanted: [u16; SUBS],
         places: &[[f32; TILE_RAYS]; 2],
         packets: &mut [TilePacket; 6],
     ) -> usize {
-        let within = within(width, height);
         let at = [x as f32, y as f32];
-        let mut left = within;
+        let mut left = wanted;
         let mut used = 0;
         // The face of the first ray first: mostly it is that of all.
         let first = self.face([0, 1].map(|axis| at[axis] + places[axis][0]));
@@ -144,8 +144,8 @@ impl Camera {
             let packet = &mut packets[used];
             kernels.run(Directions { camera: self, places, at, face, packet });
             let mut any = 0;
-            for ((active, within), left) in packet.active.iter_mut().zip(&within).zip(&mut left) {
-                *active &= within;
+            for ((active, wanted), left) in packet.active.iter_mut().zip(&wanted).zip(&mut left) {
+                *active &= wanted;
                 *left &= !*active;
                 any |= *active;
             }

@@ -125,6 +125,7 @@ pub(super) fn replace_view(scene: &mut Scene, args: &ViewArgs) -> Result<()> {
 pub(super) fn replace_sampling(scene: &mut Scene, args: &SamplingArgs) {
     let settings = &mut scene.settings;
     settings.samples = args.samples.unwrap_or(settings.samples);
+    settings.adaptive = args.adaptive.or(settings.adaptive);
     settings.light_samples = args.light_samples.unwrap_or(settings.light_samples);
     settings.bounces = args.bounces.unwrap_or(settings.bounces);
     settings.max_depth = args.max_depth.unwrap_or(settings.max_depth);

@@ -122,6 +122,14 @@ pub(super) fn share(text: &str) -> Result<f32, String> {
         .ok_or_else(|| format!("'{text}' is no share; give a number from 0 to 1"))
 }
 
+/// Takes a share of a whole, above none of it.
+pub(super) fn positive_share(text: &str) -> Result<f32, String> {
+    share(text)
+        .ok()
+        .filter(|&share| share > 0.0)
+        .ok_or_else(|| format!("'{text}' is no such share; give a number above 0 and up to 1"))
+}
+
 /// Takes a vertical field of view in degrees.
 pub(super) fn field_of_view(text: &str) -> Result<f32, String> {
     number(text).ok().filter(|&degrees| degrees > 0.0 && degrees < 180.0).ok_or_else(|| {

@@ -113,7 +113,12 @@ impl<'a> Usage<'a> {
             },
             Effect::Antialiasing => match settings.samples {
                 1 => Err("one sample per pixel".into()),
-                samples => Ok(format!("{samples} samples per pixel")),
+                samples => match settings.adaptive {
+                    None => Ok(format!("{samples} samples per pixel")),
+                    Some(least) => {
+                        Ok(format!("{samples} samples per pixel that differs by {least} from another"))
+                    }
+                },
             },
         }
     }

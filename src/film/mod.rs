@@ -87,6 +87,22 @@ impl Film {
         }
     }
 
+    /// Reads the colours of `tile` into `planes`: red, green and blue, row by row.
+    ///
+    /// # Panics
+    ///
+    /// If the tile reaches beyond the film.
+    pub fn read_tile(&self, tile: Tile, planes: &mut [Vec<f32>; 3]) {
+        for (plane, cells) in planes.iter_mut().zip(&self.planes) {
+            plane.clear();
+            for row in 0..tile.height {
+                let from = (tile.y + row) as usize * self.width as usize + tile.x as usize;
+                let row = &cells[from..from + tile.width as usize];
+                plane.extend(row.iter().map(|cell| f32::from_bits(cell.load(Ordering::Relaxed))));
+            }
+        }
+    }
+
     /// Stores colours like [`Film::write_tile`], of pixels apart: the pixel in column `x` and row `y` of `tile` is the
     /// one at `first + spacing * (tile.x + x, tile.y + y)` of the film.
     ///

@@ -7,9 +7,11 @@ use super::{
 use crate::{
     camera::{Camera, pixel_of},
     effects::{Effect, EffectChoice, EffectSet},
-    kernels::{SUB, TILE_RAYS},
+    kernels::{SUB, SUBS, TILE_RAYS},
     scene::{DepthOfField, Scene},
-    shade::{Disc, Integrator, Meter, PathTable, Purpose, Sample, Samples, SurfaceTable, Variant, pixel_key},
+    shade::{
+        Disc, Integrator, Meter, PathTable, Purpose, Sample, Samples, Shot, SurfaceTable, Variant, pixel_key,
+    },
     tile::Tile,
     trace::Traversal,
 };
@@ -17,6 +19,9 @@ use crate::{
 /// Effects of materials that send rays on, so that a tile may show materials that are nowhere in it.
 const SENDS_ON: [Effect; 5] =
     [Effect::Mirror, Effect::Glossy, Effect::Refraction, Effect::AlphaCutout, Effect::IndirectLight];
+
+/// Rays that are followed together where pixels are refined: four packets.
+const BATCH: usize = 4 * TILE_RAYS;
 
 /// How light is followed, over all frames.
 pub(super) struct Follow<'a> {
@@ -52,38 +57,91 @@ impl<'a> Follow<'a> {
         }
     }
 
-    /// Adds up the samples of a tile, and returns how many there were.
+    /// Camera rays of a pixel.
+    pub(super) fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    /// Adds up `samples` samples of each pixel of a tile.
     pub(super) fn run(
         &self,
         task: &RenderTask,
         camera: &Camera,
         tile: Tile,
+        samples: u32,
         scratch: &mut Scratch,
         meter: &mut Meter,
-    ) -> u32 {
-        let packets = packet_corners(tile).count();
-        scratch.path.begin(packets * TILE_RAYS);
-        for number in 0..self.samples {
-            let pixels = packet_corners(tile).flat_map(|[left, top]| {
-                (0..TILE_RAYS).map(move |ray| {
-                    let (x, y) = pixel_of(ray);
-                    [tile.x + left + x, tile.y + top + y]
-                })
+    ) {
+        let rays = packet_corners(tile).flat_map(|[left, top]| {
+            (0..TILE_RAYS).map(move |ray| {
+                let (x, y) = pixel_of(ray);
+                [left + x, top + y]
+            })
+        });
+        scratch.path.begin(rays.clone().count());
+        for number in 0..samples {
+            let shots = rays.clone().zip(0..).map(|([x, y], slot)| Shot {
+                pixel: camera.image_pixel([tile.x + x, tile.y + y]),
+                number,
+                slot,
+                wanted: x < tile.width && y < tile.height,
             });
-            let in_image = pixels.clone().map(|pixel| camera.image_pixel(pixel));
-            scratch.path.begin_sample(camera, in_image, self.integrator.seed);
-            match self.lens {
-                None => self.see(task, camera, tile, scratch, meter, number),
-                Some(lens) => self.look_through(lens, camera, tile, scratch, pixels, number),
-            }
-            let mut sample = sample(scratch, meter, number);
-            if self.lens.is_some() {
-                self.integrator.trace(&mut sample);
-            }
-            let variant = self.variant_of(&sample);
-            self.integrator.follow(variant, &mut sample, self.lens.is_none());
+            scratch.shots.clear();
+            scratch.shots.extend(shots);
+            self.shoot(task, camera, samples, scratch, meter);
         }
-        self.samples
+    }
+
+    /// Adds up all samples of pixels of the image; their slots are their places in `pixels`. Those of one pixel fly
+    /// together: nothing is as coherent.
+    pub(super) fn refine(
+        &self,
+        task: &RenderTask,
+        camera: &Camera,
+        pixels: &[[u32; 2]],
+        scratch: &mut Scratch,
+        meter: &mut Meter,
+    ) {
+        scratch.path.begin(pixels.len() + 1);
+        // Never two parts of a pixel's samples in one batch: they are added in one order, whoever is beside them.
+        let numbers = (self.samples as usize).min(BATCH);
+        let together = BATCH / numbers;
+        let nowhere = Shot { pixel: [0; 2], number: 0, slot: pixels.len() as u32, wanted: false };
+        for (batch, some) in pixels.chunks(together).enumerate() {
+            for first in (0..self.samples).step_by(numbers) {
+                let numbers = first..self.samples.min(first + numbers as u32);
+                scratch.shots.clear();
+                for (&pixel, slot) in some.iter().zip((batch * together) as u32..) {
+                    let shot = |number| Shot { pixel, number, slot, wanted: true };
+                    scratch.shots.extend(numbers.clone().map(shot));
+                }
+                let whole = scratch.shots.len().next_multiple_of(TILE_RAYS);
+                scratch.shots.resize(whole, nowhere);
+                self.shoot(task, camera, self.samples, scratch, meter);
+            }
+        }
+    }
+
+    /// Follows the camera rays of `scratch.shots`, whole packets, and adds their colours to their slots.
+    fn shoot(
+        &self,
+        task: &RenderTask,
+        camera: &Camera,
+        samples: u32,
+        scratch: &mut Scratch,
+        meter: &mut Meter,
+    ) {
+        scratch.path.begin_rays(camera, &scratch.shots, self.integrator.seed);
+        match self.lens {
+            None => self.see(task, camera, samples, scratch, meter),
+            Some(lens) => self.look_through(lens, camera, samples, scratch),
+        }
+        let mut sample = sample(scratch, meter, samples);
+        if self.lens.is_some() {
+            self.integrator.trace(&mut sample);
+        }
+        let variant = self.variant_of(&sample);
+        self.integrator.follow(variant, &mut sample, self.lens.is_none());
     }
 
     /// The least variant that does for what is seen in the tile.
@@ -101,77 +159,60 @@ impl<'a> Follow<'a> {
         &self,
         task: &RenderTask,
         camera: &Camera,
-        tile: Tile,
+        samples: u32,
         scratch: &mut Scratch,
         meter: &mut Meter,
-        number: u32,
     ) {
         let kernels = self.integrator.traversal.kernels();
+        let shots = std::mem::take(&mut scratch.shots);
+        let corners = shots.chunks(TILE_RAYS).map(|packet| packet[0].pixel);
         let mut places = [[0.0; TILE_RAYS]; 2];
-        task.see_with(tile, scratch, meter, |_, at, inside, packets| {
-            for ray in 0..TILE_RAYS {
-                let (x, y) = pixel_of(ray);
-                let pixel = camera.image_pixel([at[0] + x, at[1] + y]);
-                let moved = self.place(pixel, number);
-                for axis in 0..2 {
-                    // From the image's first pixel on: rounded alike in every packet, so that the image has one hash.
-                    places[axis][ray] = pixel[axis] as f32 + moved[axis];
-                }
+        task.see_with(corners, scratch, meter, true, |index, packets| {
+            let mut wanted = [0; SUBS];
+            for (ray, shot) in shots[index * TILE_RAYS..][..TILE_RAYS].iter().enumerate() {
+                wanted[ray / SUB] |= u16::from(shot.wanted) << (ray % SUB);
+                // From the image's first pixel on: rounded alike in every packet, so that the image has one hash.
+                let at = self.place(shot, samples);
+                (places[0][ray], places[1][ray]) = (at[0], at[1]);
             }
-            camera.jittered_rays(kernels, [0; 2], inside, &places, packets)
+            camera.jittered_rays(kernels, [0; 2], wanted, &places, packets)
         });
+        meter.rays.primary += shots.iter().filter(|shot| shot.wanted).count() as u64;
+        scratch.shots = shots;
     }
 
-    /// Where in its pixel a sample lies, from the centre.
-    fn place(&self, [x, y]: [u32; 2], number: u32) -> [f32; 2] {
-        if self.samples == 1 {
-            return [0.0; 2];
+    /// Where a ray goes through the image, in pixels from the centre of the first one.
+    fn place(&self, &Shot { pixel: [x, y], number, .. }: &Shot, samples: u32) -> [f32; 2] {
+        let centre = [x as f32, y as f32];
+        if samples == 1 {
+            return centre;
         }
         let key = pixel_key(x, y, self.integrator.seed);
-        Samples::new(self.samples, key, Purpose::Pixel as u32).get(number).map(|at| at - 0.5)
+        let moved = Samples::new(samples, key, Purpose::Pixel as u32).get(number);
+        [0, 1].map(|axis| centre[axis] + (moved[axis] - 0.5))
     }
 
     /// Rays through a lens go into the queue.
-    fn look_through(
-        &self,
-        lens: DepthOfField,
-        camera: &Camera,
-        tile: Tile,
-        scratch: &mut Scratch,
-        pixels: impl Iterator<Item = [u32; 2]>,
-        number: u32,
-    ) {
-        let mut pixels = pixels.enumerate();
+    fn look_through(&self, lens: DepthOfField, camera: &Camera, samples: u32, scratch: &mut Scratch) {
         scratch.path.begin_queue();
-        loop {
-            let mut some = [(0, [0; 2]); SUB];
-            let count = some.iter_mut().zip(&mut pixels).map(|(slot, next)| *slot = next).count();
-            if count == 0 {
-                break;
-            }
+        for (block, shots) in scratch.shots.as_chunks::<SUB>().0.iter().enumerate() {
             let mut squares = [[0.0; SUB]; 2];
-            for (lane, &(_, pixel)) in some[..count].iter().enumerate() {
-                let [x, y] = camera.image_pixel(pixel);
-                let key = pixel_key(x, y, self.integrator.seed);
-                let square = Samples::new(self.samples, key, Purpose::Lens as u32).get(number);
+            for (lane, shot) in shots.iter().enumerate() {
+                let key = pixel_key(shot.pixel[0], shot.pixel[1], self.integrator.seed);
+                let square = Samples::new(samples, key, Purpose::Lens as u32).get(shot.number);
                 [squares[0][lane], squares[1][lane]] = square;
             }
             let [across, up] = self.integrator.traversal.kernels().run(Disc(&squares));
-            for (lane, (ray, [x, y])) in some.into_iter().take(count).enumerate() {
-                if x >= tile.x + tile.width || y >= tile.y + tile.height {
-                    continue;
-                }
-                let [x, y] = camera.image_pixel([x, y]);
-                let [dx, dy] = self.place([x, y], number);
-                let at = [x as f32 + dx, y as f32 + dy];
-                let ray_through = camera.lens_ray(at, [across[lane], up[lane]], lens.aperture, lens.focus);
-                scratch.path.push_camera_ray(ray, &ray_through);
+            for (lane, shot) in shots.iter().enumerate().filter(|(_, shot)| shot.wanted) {
+                let at = self.place(shot, samples);
+                let ray = camera.lens_ray(at, [across[lane], up[lane]], lens.aperture, lens.focus);
+                scratch.path.push_camera_ray(block * SUB + lane, &ray);
             }
         }
     }
 }
 
-fn sample<'a>(scratch: &'a mut Scratch, meter: &'a mut Meter, number: u32) -> Sample<'a> {
+fn sample<'a>(scratch: &'a mut Scratch, meter: &'a mut Meter, samples: u32) -> Sample<'a> {
     let Scratch { surfaces, path, shadows, seeds, .. } = scratch;
-    Sample { surfaces, scratch: path, shadows, seeds, meter, number }
+    Sample { surfaces, scratch: path, shadows, seeds, meter, samples }
 }

@@ -11,6 +11,7 @@
 //! A scene that calls for more than hard shadows, highlights and smooth normals has its light followed further.
 
 mod animation;
+mod adaptive;
 mod follow;
 mod progressive;
 mod seeds;

@@ -2,7 +2,7 @@
 
 use super::{
     FrameReport, RenderOptions, choose_kernels,
-    task::{Frame, RenderTask, TileReport},
+    task::{Frame, Pass, RenderTask, TileReport},
 };
 use crate::{
     bvh::{BuildPreset, Bvh, Update},
@@ -116,7 +116,9 @@ impl<'a> Stage<'a> {
     /// What workers need to render this scene.
     pub(super) fn task(&self) -> RenderTask<'_> {
         let Stage { scene, options, kernels, geometry: Geometry { bvh, table, .. }, paths, .. } = self;
-        RenderTask::new(scene, bvh, table, paths.as_ref(), *kernels, options)
+        let once = self.set().without(EffectSet::of(&[Effect::Antialiasing]));
+        let plain_once = is_plain(scene, once, options.effects);
+        RenderTask::new(scene, bvh, table, paths.as_ref(), plain_once, *kernels, options)
     }
 
     /// The camera of the scene.
@@ -142,10 +144,13 @@ impl<'a> Stage<'a> {
     ) -> Result<R> {
         let (task, camera) = (self.task(), self.camera());
         let [width, height] = self.options.size;
+        let settings = &self.scene.settings;
+        let adaptive = settings.adaptive.filter(|_| self.set().has(Effect::Antialiasing));
         with_workers(&task, placement, |master| {
             body(&mut Session {
                 master,
                 camera,
+                adaptive,
                 film: Film::new(width, height),
                 films: vec![],
                 spare: vec![],
@@ -170,6 +175,8 @@ impl Geometry {
 pub struct Session<'m, 'a> {
     master: &'m mut Master<RenderTask<'a>>,
     camera: Camera,
+    /// Only pixels that differ by more than this get all samples.
+    adaptive: Option<f32>,
     film: Film,
     /// Of the last stream, in order.
     films: Vec<Film>,
@@ -208,9 +215,30 @@ impl Session<'_, '_> {
         control: &Control,
         watch: &mut dyn FnMut(Tile, &Film),
     ) -> Result<(FrameStats, TileReport)> {
+        let Some(least) = self.adaptive else {
+            return self.pass(Pass::All, schedule, tiles, control, watch);
+        };
+        let (stats, mut sum) = self.pass(Pass::First, schedule, tiles, control, watch)?;
+        let [width, height] = [self.film.width(), self.film.height()];
+        let blank = self.spare.pop().unwrap_or_else(|| Film::new(width, height));
+        let first = std::mem::replace(&mut self.film, blank);
+        let (more, rest) = self.pass(Pass::Second(first, least), schedule, tiles, control, watch)?;
+        sum.add(&rest);
+        Ok((stats.followed_by(more), sum))
+    }
+
+    /// Takes some samples of all pixels.
+    fn pass(
+        &mut self,
+        pass: Pass,
+        schedule: Schedule,
+        tiles: &[Tile],
+        control: &Control,
+        watch: &mut dyn FnMut(Tile, &Film),
+    ) -> Result<(FrameStats, TileReport)> {
         let (width, height) = (self.film.width(), self.film.height());
         let film = std::mem::replace(&mut self.film, Film::new(0, 0));
-        let frame = Frame { camera: self.camera, film, mode: schedule.film };
+        let frame = Frame { camera: self.camera, film, mode: schedule.film, pass };
         let mut sum = TileReport::default();
         let collect = |frame: &Frame, tile, report: &mut TileReport| {
             frame.collect(tile, report, &mut sum);
@@ -219,6 +247,9 @@ impl Session<'_, '_> {
         match self.master.run_frame(schedule, frame, tiles, control, collect) {
             Ok((frame, stats)) => {
                 self.film = frame.film;
+                if let Pass::Second(first, _) = frame.pass {
+                    self.spare.push(first);
+                }
                 Ok((stats, sum))
             }
             Err(error) => {
@@ -247,7 +278,7 @@ impl Session<'_, '_> {
         self.master.employ(workers);
     }
 
-    /// Renders the image `frames` times, with up to `in_flight` frames at once. Each has a film of its own, kept until the
+    /// Renders the image `frames` times, all samples of every pixel, with up to `in_flight` frames at once. Each has a film of its own, kept until the
     /// next stream; those of the longest stream so far are made once.
     ///
     /// # Errors
@@ -309,7 +340,7 @@ impl Source<RenderTask<'_>> for Again {
         self.left = self.left.checked_sub(1)?;
         let [width, height] = self.size;
         let film = self.blank.pop().unwrap_or_else(|| Film::new(width, height));
-        Some(Frame { camera: self.camera, film, mode: self.mode })
+        Some(Frame { camera: self.camera, film, mode: self.mode, pass: Pass::All })
     }
 
     fn more(&self) -> bool {

@@ -2,6 +2,7 @@
 
 use super::{
     RenderOptions,
+    adaptive::Differences,
     follow::Follow,
     seeds::{HitSeeds, NONE},
 };
@@ -13,7 +14,8 @@ use crate::{
     scene::{Light, Scene},
     schedule::{FilmMode, TileTask},
     shade::{
-        LightRays, Meter, PathScratch, PathTable, RayTally, SurfaceTable, Surfaces, add_light, light_rays,
+        LightRays, Meter, PathScratch, PathTable, RayTally, Shot, SurfaceTable, Surfaces, add_light,
+        light_rays,
     },
     tile::Tile,
     trace::{EarlyTermination, NO_OCCLUDER, PointShadows, RayStream, Traversal},
@@ -28,7 +30,9 @@ pub(super) struct RenderTask<'a> {
     early: EarlyTermination,
     hit_seeds: HitSeeds,
     /// Where light is followed further than to the first surfaces.
-    follow: Option<Follow<'a>>,
+    pub(super) follow: Option<Follow<'a>>,
+    /// One sample of a pixel does without `follow`.
+    plain_once: bool,
 }
 
 /// What belongs to one frame.
@@ -36,6 +40,18 @@ pub(super) struct Frame {
     pub(super) camera: Camera,
     pub(super) film: Film,
     pub(super) mode: FilmMode,
+    pub(super) pass: Pass,
+}
+
+/// Which samples of its pixels a tile is to take.
+pub(super) enum Pass {
+    /// All of them.
+    All,
+    /// One, through the centre.
+    First,
+    /// All of pixels that differ from others by more than this in the film of the first pass; the others stay as they are
+    /// there.
+    Second(Film, f32),
 }
 
 impl Frame {
@@ -93,6 +109,8 @@ pub(super) struct Scratch {
     stream: RayStream,
     /// Where rays go on from the first surfaces.
     pub(super) path: PathScratch,
+    pub(super) shots: Vec<Shot>,
+    pub(super) differences: Differences,
     pub(super) pixels: [Vec<f32>; 3],
 }
 
@@ -102,6 +120,7 @@ impl<'a> RenderTask<'a> {
         bvh: &'a Bvh,
         table: &'a SurfaceTable,
         paths: Option<&'a PathTable<'a>>,
+        plain_once: bool,
         kernels: Kernels,
         options: &RenderOptions,
     ) -> RenderTask<'a> {
@@ -109,7 +128,7 @@ impl<'a> RenderTask<'a> {
         let hit_seeds = HitSeeds::new(early, size);
         let traversal = Traversal::new(bvh, kernels, kernel);
         let follow = paths.map(|paths| Follow::new(scene, table, paths, traversal, options));
-        RenderTask { scene, table, traversal, early, hit_seeds, follow }
+        RenderTask { scene, table, traversal, early, hit_seeds, follow, plain_once }
     }
 }
 
@@ -134,13 +153,21 @@ impl TileTask for RenderTask<'_> {
             blocked: Vec::new(),
             stream: RayStream::default(),
             path: PathScratch::default(),
+            shots: Vec::new(),
+            differences: Differences::default(),
             pixels: [Vec::new(), Vec::new(), Vec::new()],
         }
     }
 
     fn run(&self, frame: &Frame, tile: Tile, scratch: &mut Scratch, report: &mut TileReport) {
         let mut meter = Meter::start();
-        self.colour(&frame.camera, tile, scratch, &mut meter);
+        match &frame.pass {
+            Pass::All => self.colour(&frame.camera, tile, scratch, &mut meter),
+            Pass::First => self.colour_once(&frame.camera, tile, scratch, &mut meter),
+            Pass::Second(first, least) => {
+                self.refine(&frame.camera, tile, first, *least, scratch, &mut meter);
+            }
+        }
         match frame.mode {
             FilmMode::Shared => {
                 let [r, g, b] = &scratch.pixels;
@@ -158,45 +185,70 @@ impl RenderTask<'_> {
     /// Leaves the colours of the tile's pixels in `scratch.pixels`, row by row.
     pub(super) fn colour(&self, camera: &Camera, tile: Tile, scratch: &mut Scratch, meter: &mut Meter) {
         match &self.follow {
-            Some(follow) => {
-                let samples = follow.run(self, camera, tile, scratch, meter);
-                in_pixel_order(tile, scratch.path.finish(samples), &mut scratch.pixels);
-            }
-            None => {
-                self.see(camera, tile, scratch, meter);
-                scratch.surfaces.finish(self.traversal.kernels());
-                for (index, light) in self.scene.lights.iter().enumerate() {
-                    self.light(light, index, scratch, meter);
-                }
-                in_pixel_order(tile, &scratch.surfaces.color, &mut scratch.pixels);
-            }
+            Some(follow) => self.follow(follow, camera, tile, follow.samples(), scratch, meter),
+            None => self.look(camera, tile, scratch, meter),
         }
+    }
+
+    /// The same by one sample through the centre of each pixel.
+    fn colour_once(&self, camera: &Camera, tile: Tile, scratch: &mut Scratch, meter: &mut Meter) {
+        match &self.follow {
+            Some(follow) if !self.plain_once => self.follow(follow, camera, tile, 1, scratch, meter),
+            _ => self.look(camera, tile, scratch, meter),
+        }
+    }
+
+    fn follow(
+        &self,
+        follow: &Follow,
+        camera: &Camera,
+        tile: Tile,
+        samples: u32,
+        scratch: &mut Scratch,
+        meter: &mut Meter,
+    ) {
+        follow.run(self, camera, tile, samples, scratch, meter);
+        in_pixel_order(tile, scratch.path.finish(samples), &mut scratch.pixels);
+    }
+
+    /// The first surfaces and their lights, and nothing else.
+    fn look(&self, camera: &Camera, tile: Tile, scratch: &mut Scratch, meter: &mut Meter) {
+        self.see(camera, tile, scratch, meter);
+        scratch.surfaces.finish(self.traversal.kernels());
+        for (index, light) in self.scene.lights.iter().enumerate() {
+            self.light(light, index, scratch, meter);
+        }
+        in_pixel_order(tile, &scratch.surfaces.color, &mut scratch.pixels);
     }
 
     /// Primary rays: fills the surfaces of the tile, packet by packet of 16x16 pixels.
     fn see(&self, camera: &Camera, tile: Tile, scratch: &mut Scratch, meter: &mut Meter) {
-        self.see_with(tile, scratch, meter, |_, at, inside, packets| {
-            camera.rays(self.traversal.kernels(), at, inside, packets)
+        let mut corners = packet_corners(tile);
+        let at = packet_corners(tile).map(|[x, y]| [tile.x + x, tile.y + y]);
+        self.see_with(at, scratch, meter, false, |_, packets| {
+            let [x, y] = corners.next().unwrap_or_default();
+            let inside = [tile.width - x, tile.height - y];
+            camera.rays(self.traversal.kernels(), [tile.x + x, tile.y + y], inside, packets)
         });
+        meter.rays.primary += tile.len() as u64;
     }
 
-    /// The same, with `rays` to make the rays of a packet, given its number, place and how much of the tile is left.
+    /// The same for any packets: `rays` makes those of a packet, given its number; `places` are pixels near them. To be
+    /// followed, the hits have to be kept.
     pub(super) fn see_with(
         &self,
-        tile: Tile,
+        places: impl Iterator<Item = [u32; 2]> + Clone,
         scratch: &mut Scratch,
         meter: &mut Meter,
-        mut rays: impl FnMut(usize, [u32; 2], [u32; 2], &mut [TilePacket; 6]) -> usize,
+        keep: bool,
+        mut rays: impl FnMut(usize, &mut [TilePacket; 6]) -> usize,
     ) {
         let Scratch { packets, hits, tile_scratch, hit_last, surfaces, path, .. } = scratch;
         let EarlyTermination { pet_bound: bound, pet_seed, area, .. } = self.early;
         tile_scratch.set_early(TileEarly { bound, ..TileEarly::ALL });
-        let corners = packet_corners(tile);
-        surfaces.reset(corners.clone().count(), self.scene.background.to_array());
-        for (index, [x, y]) in corners.enumerate() {
-            let inside = [tile.width - x, tile.height - y];
-            let at = [tile.x + x, tile.y + y];
-            let used = rays(index, at, inside, packets);
+        surfaces.reset(places.clone().count(), self.scene.background.to_array());
+        for (index, at) in places.enumerate() {
+            let used = rays(index, packets);
             for packet in &packets[..used] {
                 meter.shade();
                 if pet_seed {
@@ -210,12 +262,11 @@ impl RenderTask<'_> {
                 }
                 meter.trace();
                 surfaces.gather(self.traversal.kernels(), self.table, index, packet, hits);
-                if self.follow.is_some() {
+                if keep {
                     path.keep(surfaces, index, packet, hits);
                 }
             }
         }
-        meter.rays.primary += tile.len() as u64;
     }
 
     /// Adds one light to the surfaces of the tile.

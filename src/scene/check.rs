@@ -188,6 +188,7 @@ fn settings(settings: &RenderSettings) -> Option<String> {
     });
     let numbers = [
         ("samples", settings.samples > 0),
+        ("adaptive threshold", settings.adaptive.is_none_or(|least| least > 0.0 && least.is_finite())),
         ("light samples", settings.light_samples > 0),
         ("ambient occlusion", ambient),
         ("depth of field", lens),

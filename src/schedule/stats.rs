@@ -89,6 +89,13 @@ impl Messages {
         self.latency_max = self.latency_max.max(seconds);
     }
 
+    fn add(&mut self, other: &Messages) {
+        self.count += other.count;
+        self.awaited += other.awaited;
+        self.latency_sum += other.latency_sum;
+        self.latency_max = self.latency_max.max(other.latency_max);
+    }
+
     /// Mean latency in seconds; 0 if none was awaited.
     pub fn latency(&self) -> f64 {
         if self.awaited == 0 { 0.0 } else { self.latency_sum / self.awaited as f64 }
@@ -127,6 +134,31 @@ impl FrameStats {
     /// Seconds per frame; of none, of all.
     pub fn per_frame(&self) -> f64 {
         self.seconds / self.frames.max(1) as f64
+    }
+
+    /// This frame and another one after it, of the same workers, as one.
+    pub fn followed_by(mut self, next: FrameStats) -> FrameStats {
+        let later = self.seconds;
+        self.spans.extend(next.spans.into_iter().map(|span| Span {
+            start: later + span.start,
+            end: later + span.end,
+            ..span
+        }));
+        self.seconds += next.seconds;
+        for (worker, next) in self.workers.iter_mut().zip(next.workers) {
+            worker.busy_seconds += next.busy_seconds;
+            worker.tiles += next.tiles;
+            worker.steals += next.steals;
+            worker.idle.start += next.idle.start;
+            worker.idle.work += next.idle.work;
+            worker.idle.deliver += next.idle.deliver;
+            worker.idle.tail += next.idle.tail;
+        }
+        self.tasks.add(&next.tasks);
+        self.reports.add(&next.reports);
+        self.master.frames += next.master.frames;
+        self.master.reports += next.master.reports;
+        self
     }
 
     /// Sums up what the workers did, from the spans and these pauses. A pause counts between the first tile of a worker
@@ -196,6 +228,33 @@ mod tests {
         assert_eq!(busy.idle, Idle { start: 1.0, work: 0.75, deliver: 0.25, tail: 4.0 });
         assert_eq!((lazy.busy_seconds, lazy.tiles), (0.0, 0));
         assert_eq!(lazy.idle, Idle { start: 10.0, ..Idle::default() });
+    }
+
+    #[test]
+    fn one_frame_after_another_takes_as_long_as_both() {
+        let frame = |seconds, worker| {
+            let tile = Tile { x: 0, y: 0, width: 1, height: 1 };
+            let mut stats = FrameStats {
+                frames: 1,
+                seconds,
+                workers: vec![WorkerStats::new(Pinned::Free); 2],
+                spans: vec![Span { frame: 0, worker, tile, start: 1.0, end: 2.0 }],
+                tasks: Messages { count: 2, awaited: 1, latency_sum: seconds, latency_max: seconds },
+                ..FrameStats::default()
+            };
+            stats.sum_up(&[]);
+            stats
+        };
+        let both = frame(4.0, 0).followed_by(frame(3.0, 1));
+        assert_eq!((both.frames, both.seconds), (1, 7.0));
+        let spans: Vec<_> = both.spans.iter().map(|span| (span.worker, span.start, span.end)).collect();
+        assert_eq!(spans, [(0, 1.0, 2.0), (1, 5.0, 6.0)]);
+        for (worker, start, tail) in [(0, 1.0 + 3.0, 2.0), (1, 4.0 + 1.0, 1.0)] {
+            let worker = &both.workers[worker];
+            assert_eq!((worker.busy_seconds, worker.tiles), (1.0, 1));
+            assert_eq!(worker.idle, Idle { start, tail, ..Idle::default() });
+        }
+        assert_eq!(both.tasks, Messages { count: 4, awaited: 2, latency_sum: 7.0, latency_max: 4.0 });
     }
 
     #[test]

@@ -79,7 +79,7 @@ fn a_scene_file_says_everything_about_effects() {
         [[light]]\nkind = \"rectangle\"\ncorner = [0, 5, 0]\nedge_u = [1, 0, 0]\nedge_v = [0, 0, 2]\nintensity = 3\n\
         [[light]]\nkind = \"sphere\"\nposition = [0, 5, 0]\nradius = 0.5\ncolor = [1, 0, 0]\n\
         [environment]\nzenith = [0, 0, 1]\nhorizon = 1\nground = 0.1\nlight = false\n\
-        [settings]\nsamples = 4\nlight_samples = 8\nbounces = 2\nmax_depth = 3\ncutoff = 0\nemitters = true\n\
+        [settings]\nsamples = 4\nadaptive = 0.25\nlight_samples = 8\nbounces = 2\nmax_depth = 3\ncutoff = 0\nemitters = true\n\
         smooth_terminator = true\nambient_occlusion = { radius = inf }\n\
         depth_of_field = { aperture = 0.1, focus = 4 }\nwithout = [\"glossy\", \"highlights\"]\n";
     let scene = good(toml(text));
@@ -110,6 +110,7 @@ fn a_scene_file_says_everything_about_effects() {
         scene.settings.max_depth,
     ];
     assert_eq!((counts, scene.settings.cutoff), ([4, 8, 2, 3], 0.0));
+    assert_eq!(scene.settings.adaptive, Some(0.25));
     assert!(scene.settings.emitters && scene.settings.smooth_terminator);
     assert_eq!(ambient_occlusion.map(|of| (of.radius, of.samples)), Some((f32::INFINITY, 16)));
     assert_eq!(depth_of_field.map(|of| (of.aperture, of.focus)), Some((0.1, 4.0)));
@@ -179,6 +180,7 @@ fn mistakes_about_effects_are_errors_with_line_and_column() {
         ("[settings]\nsamples = 0", 4, 11, "`samples` must be an integer in 1 to 65536"),
         ("[settings]\nbounces = -1", 4, 11, "`bounces` must be an integer in 0 to 65536"),
         ("[settings]\nsamples = 1.5", 4, 11, "invalid type: floating point `1.5`"),
+        ("[settings]\nadaptive = 0", 4, 12, "`adaptive` must be positive"),
         ("[settings]\ncutoff = -0.1", 4, 10, "`cutoff` must not be negative"),
         ("[settings]\nambient_occlusion = { radius = 0 }", 4, 32, "`radius` must be positive"),
         ("[settings]\ndepth_of_field = { aperture = 1 }", 4, 18, "missing field `focus`"),

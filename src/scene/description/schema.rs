@@ -162,6 +162,7 @@ pub(super) struct Environment {
 #[serde(deny_unknown_fields)]
 pub(super) struct Settings {
     pub(super) samples: Option<Spanned<i64>>,
+    pub(super) adaptive: Option<Spanned<f64>>,
     pub(super) light_samples: Option<Spanned<i64>>,
     pub(super) bounces: Option<Spanned<i64>>,
     pub(super) max_depth: Option<Spanned<i64>>,

@@ -146,6 +146,10 @@ pub(super) fn settings(source: &Source<'_>, from: &schema::Settings) -> Result<R
     });
     Ok(RenderSettings {
         samples: count("samples", &from.samples, 1, default.samples)?,
+        adaptive: match &from.adaptive {
+            None => None,
+            Some(least) => Some(source.within("adaptive", least, |t| t > 0.0, "must be positive")?),
+        },
         light_samples: count("light_samples", &from.light_samples, 1, default.light_samples)?,
         bounces: count("bounces", &from.bounces, 0, default.bounces)?,
         max_depth: count("max_depth", &from.max_depth, 0, default.max_depth)?,

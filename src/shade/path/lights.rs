@@ -19,21 +19,16 @@ use glam::Vec3;
 impl Integrator<'_> {
     /// Two numbers for each surface: sample `index` of `count`, for each sample of the pixel.
     pub(super) fn squares(&self, sample: &mut Sample, purpose: u32, index: u32, count: u32) {
-        let total = count * self.samples();
-        let number = sample.number * count + index;
+        let total = count * sample.samples;
         let PathScratch { states, squares, .. } = &mut *sample.scratch;
         let [u, v] = squares;
         u.resize(states.len(), 0.0);
         v.resize(states.len(), 0.0);
         for (ray, state) in states.iter().enumerate() {
             if sample.surfaces.prim[ray] != MISS {
-                [u[ray], v[ray]] = Samples::new(total, state.key, purpose).get(number);
+                [u[ray], v[ray]] = Samples::new(total, state.key, purpose).get(state.number * count + index);
             }
         }
-    }
-
-    pub(super) fn samples(&self) -> u32 {
-        if self.paths.set.has(Effect::Antialiasing) { self.paths.scene.settings.samples } else { 1 }
     }
 
     /// Adds a light without extent.
@@ -160,13 +155,13 @@ impl Integrator<'_> {
 
     /// Chooses a point of an emitting triangle for each surface.
     fn choose(&self, sample: &mut Sample, index: u32, count: u32) {
-        let total = count * self.samples();
-        let number = sample.number * count + index;
+        let total = count * sample.samples;
         let PathScratch { states, squares, chosen, .. } = &mut *sample.scratch;
         chosen.resize(states.len());
         for (ray, state) in states.iter().enumerate() {
             if sample.surfaces.prim[ray] != MISS {
-                let chance = Samples::new(total, state.key, mix(Purpose::Choice as u32, 0)).line(number);
+                let chances = Samples::new(total, state.key, mix(Purpose::Choice as u32, 0));
+                let chance = chances.line(state.number * count + index);
                 chosen.set(ray, self.paths, chance, [squares[0][ray], squares[1][ray]]);
             }
         }

@@ -85,12 +85,12 @@ pub struct PathScratch {
     filter: Filter,
     open: Vec<f32>,
     light_rays: LightRays,
-    /// Colours of the tile, in the order of its camera rays.
+    /// Colours by slot.
     sum: Planes,
 }
 
 impl PathScratch {
-    /// Begins a tile of `len` camera rays per sample.
+    /// Begins a sum of colours for `len` pixels.
     pub(crate) fn begin(&mut self, len: usize) {
         for plane in &mut self.sum {
             plane.clear();
@@ -98,22 +98,18 @@ impl PathScratch {
         }
     }
 
-    /// Begins a sample of the tile: for each camera ray its pixel, or none where the tile ends.
-    pub(crate) fn begin_sample(
-        &mut self,
-        camera: &Camera,
-        pixels: impl Iterator<Item = [u32; 2]>,
-        seed: u64,
-    ) {
+    /// Begins some camera rays.
+    pub(crate) fn begin_rays(&mut self, camera: &Camera, shots: &[Shot], seed: u64) {
         self.states.clear();
-        self.states.extend(pixels.enumerate().map(|(ray, [x, y])| State {
+        self.states.extend(shots.iter().map(|&Shot { pixel: [x, y], number, slot, .. }| State {
             kind: Kind::Camera,
             unlit: false,
             depth: 0,
             bounces: 0,
             layers: 0,
             medium: 0,
-            pixel: ray as u32,
+            pixel: slot,
+            number,
             key: pixel_key(x, y, seed),
             width: 0.0,
             spread: camera.spread(),
@@ -151,9 +147,9 @@ impl PathScratch {
         self.queue.clear();
     }
 
-    /// Adds a ray to it: that of camera ray `number`.
-    pub(crate) fn push_camera_ray(&mut self, number: usize, ray: &Ray) {
-        self.queue.push(ray, self.states[number], [1.0; 3]);
+    /// Adds a ray to it: camera ray `index`.
+    pub(crate) fn push_camera_ray(&mut self, index: usize, ray: &Ray) {
+        self.queue.push(ray, self.states[index], [1.0; 3]);
     }
 
     /// The colours, with the mean over the samples taken.
@@ -166,7 +162,20 @@ impl PathScratch {
     }
 }
 
-/// A sample of the pixels of a tile while it is followed.
+/// A camera ray to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Shot {
+    /// Where it goes through the image.
+    pub(crate) pixel: [u32; 2],
+    /// Which of the samples of its pixel it is.
+    pub(crate) number: u32,
+    /// Where its colour is added up.
+    pub(crate) slot: u32,
+    /// Others only fill up a packet.
+    pub(crate) wanted: bool,
+}
+
+/// Camera rays while they are followed.
 pub(crate) struct Sample<'a> {
     pub(crate) surfaces: &'a mut Surfaces,
     pub(crate) scratch: &'a mut PathScratch,
@@ -174,8 +183,8 @@ pub(crate) struct Sample<'a> {
     /// The last occluder of each light.
     pub(crate) seeds: &'a mut [crate::kernels::NodeRef],
     pub(crate) meter: &'a mut Meter,
-    /// Which of the samples of a pixel it is.
-    pub(crate) number: u32,
+    /// Camera rays per pixel.
+    pub(crate) samples: u32,
 }
 
 impl Integrator<'_> {

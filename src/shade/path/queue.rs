@@ -35,6 +35,8 @@ pub(super) struct State {
     pub(super) pixel: u32,
     /// Of its samples.
     pub(super) key: u32,
+    /// Which of them it is.
+    pub(super) number: u32,
     /// Width of the cone around it where it starts.
     pub(super) width: f32,
     /// Growth of the width per unit of length.

@@ -78,6 +78,11 @@ impl Camera {
         Camera { first: self.image_pixel(first), spacing: self.spacing * spacing, ..*self }
     }
 
+    /// The camera whose pixels lie half a pixel to the right and below: through the lower right corners of this one's.
+    pub fn of_corners(&self) -> Camera {
+        Camera { corner: self.corner + (self.step[0] + self.step[1]) * 0.5, ..*self }
+    }
+
     /// Where a pixel that is asked for lies in the image.
     pub fn image_pixel(&self, [x, y]: [u32; 2]) -> [u32; 2] {
         [self.first[0] + self.spacing * x, self.first[1] + self.spacing * y]

@@ -1,13 +1,17 @@
-//! Antialiasing where it shows (chapter 3.7 of the thesis): a frame is two passes over its tiles.
+//! Antialiasing where it shows (chapter 3.7 of the thesis): a frame is several passes over its tiles.
 //!
 //! ```text
-//!   first pass    one sample through the centre of every pixel --> film
-//!   second pass   film --> pixels that differ from one of their eight neighbours --> all their samples --> another film
-//!                      --> the others --------------------------------------------> as they are
+//!   corners       one sample through the corners of pixels ------> film ---+
+//!   centres       one sample through the centre of every pixel --> film ---+-> pixels that differ --> all their samples
+//!   further ones      film of the pass before ------------------------------+-> the others ----------> as they are
 //! ```
 //!
+//! A pixel differs if its centre differs from one of its four corners or from the centres around it: detail half a
+//! pixel wide is seen. Something thinner is hit by some of these and missed by others along it; refined pixels differ from
+//! those, which are refined in the next pass.
+//!
 //! The thesis renders the borders of tiles as tasks of their own, so that neighbouring tiles do not trace them twice. Here
-//! the second pass finds every neighbour, also those in other tiles, in the film of the first one, so that no pixel is looked
+//! a pass finds every neighbour, also those in other tiles, in the film of the pass before, so that no pixel is looked
 //! at twice and the image does not depend on tiles. A pixel that is refined has the samples that it would have in an image of that
 //! many samples everywhere.
 
@@ -19,11 +23,66 @@ use crate::{
     shade::Meter,
     tile::Tile,
 };
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Passes after the first one, at most.
+pub(super) const REFINEMENTS: usize = 3;
+
+/// Which pixels of an image have all their samples, row by row. Atomic as a film's pixels are.
+type Marks = Vec<AtomicBool>;
+
+/// What is known of an image beside its pixels.
+#[derive(Debug)]
+pub(super) struct Known {
+    /// Pixel (x, y) is the lower right corner of the image's pixel (x, y).
+    corners: Film,
+    /// Colours that differ by no more are taken for the same.
+    least: f32,
+    refined: Marks,
+}
+
+impl Known {
+    /// Before any pixel is refined.
+    pub(super) fn new(corners: Film, least: f32) -> Known {
+        let count = corners.width() as usize * corners.height() as usize;
+        let refined = (0..count).map(|_| AtomicBool::new(false)).collect();
+        Known { corners, least, refined }
+    }
+
+    fn index(&self, [x, y]: [u32; 2]) -> usize {
+        y as usize * self.corners.width() as usize + x as usize
+    }
+}
+
+/// A pass that refines.
+#[derive(Debug)]
+pub(super) struct Refining {
+    /// The image as the pass before left it.
+    before: Film,
+    known: Known,
+    /// Known afterwards: who is beside a pixel must not see that it has just been refined.
+    refined: Marks,
+}
+
+impl Refining {
+    /// Of pixels that differ in the film `before`.
+    pub(super) fn new(before: Film, known: Known) -> Refining {
+        let copy = |pixel: &AtomicBool| AtomicBool::new(pixel.load(Ordering::Relaxed));
+        let refined = known.refined.iter().map(copy).collect();
+        Refining { before, known, refined }
+    }
+
+    /// The film of the pass before, and what is known now.
+    pub(super) fn end(self) -> (Film, Known) {
+        (self.before, Known { refined: self.refined, ..self.known })
+    }
+}
 
 /// Finds pixels that differ from others; buffers of one worker.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Differences {
-    planes: [Vec<f32>; 3],
+    centres: [Vec<f32>; 3],
+    corners: [Vec<f32>; 3],
     /// By pixel of the tile with a border of one pixel.
     differs: Vec<bool>,
     /// In the order of packets.
@@ -31,17 +90,19 @@ pub(super) struct Differences {
 }
 
 impl Differences {
-    /// Finds the pixels of `tile` that differ from a neighbour by more than `least`.
-    fn find(&mut self, film: &Film, tile: Tile, least: f32) {
+    /// Finds the pixels of `tile` that differ by more than `least`.
+    fn find(&mut self, [centres, corners]: [&Film; 2], tile: Tile, least: f32) {
         let [left, top] = [tile.x.saturating_sub(1), tile.y.saturating_sub(1)];
-        let right = (tile.x + tile.width + 1).min(film.width());
-        let bottom = (tile.y + tile.height + 1).min(film.height());
+        let right = (tile.x + tile.width + 1).min(centres.width());
+        let bottom = (tile.y + tile.height + 1).min(centres.height());
         let area = Tile { x: left, y: top, width: right - left, height: bottom - top };
-        film.read_tile(area, &mut self.planes);
-        self.planes.iter_mut().flatten().for_each(|value| *value = value.clamp(0.0, 1.0).sqrt());
+        for (film, planes) in [(centres, &mut self.centres), (corners, &mut self.corners)] {
+            film.read_tile(area, planes);
+            planes.iter_mut().flatten().for_each(|value| *value = value.clamp(0.0, 1.0).sqrt());
+        }
         self.compare(area, least);
-        let (planes, width) = (&self.differs, area.width as usize);
-        let differs = |[x, y]: [u32; 2]| planes[(y - top) as usize * width + (x - left) as usize];
+        let (marks, width) = (&self.differs, area.width as usize);
+        let differs = |[x, y]: [u32; 2]| marks[(y - top) as usize * width + (x - left) as usize];
         self.pixels.clear();
         for [x, y] in packet_corners(tile) {
             let pixels = (0..TILE_RAYS).map(pixel_of).map(|(dx, dy)| [x + dx, y + dy]);
@@ -50,12 +111,15 @@ impl Differences {
         }
     }
 
-    /// Compares every pixel of the area with those to the right, below, and below to either side.
+    /// Compares every pixel of the area with its corners, and with those to the right, below, and below to either side.
     fn compare(&mut self, area: Tile, least: f32) {
         let width = area.width as usize;
-        let Differences { planes, differs, .. } = self;
+        let Differences { centres, corners, differs, .. } = self;
         differs.clear();
         differs.resize(area.len(), false);
+        let far = |a: &[Vec<f32>; 3], i: usize, b: &[Vec<f32>; 3], j: usize| {
+            (0..3).any(|k| (a[k][i] - b[k][j]).abs() > least)
+        };
         for at in 0..area.len() {
             let (column, below) = (at % width, at + width < area.len());
             let neighbours = [
@@ -65,30 +129,36 @@ impl Differences {
                 (below && column > 0, width - 1),
             ];
             for (_, step) in neighbours.into_iter().filter(|(there, _)| *there) {
-                if planes.iter().any(|plane| (plane[at] - plane[at + step]).abs() > least) {
+                if far(centres, at, centres, at + step) {
                     differs[at] = true;
                     differs[at + step] = true;
                 }
             }
+            let (left, above) = (column > 0, at >= width);
+            let around = [(true, 0), (left, 1), (above, width), (left && above, width + 1)].into_iter();
+            let at_corner = |(there, back): (bool, usize)| there && far(centres, at, corners, at - back);
+            differs[at] = differs[at] || around.map(at_corner).any(|far| far);
         }
     }
 }
 
 impl RenderTask<'_> {
-    /// The second pass: leaves the colours of the tile's pixels in `scratch.pixels`, row by row.
+    /// A pass after the first one: leaves the colours of the tile's pixels in `scratch.pixels`, row by row.
     pub(super) fn refine(
         &self,
         camera: &Camera,
         tile: Tile,
-        first: &Film,
-        least: f32,
+        refining: &Refining,
         scratch: &mut Scratch,
         meter: &mut Meter,
     ) {
-        first.read_tile(tile, &mut scratch.pixels);
+        let Refining { before, known, refined } = refining;
+        before.read_tile(tile, &mut scratch.pixels);
         let Some(follow) = &self.follow else { return };
         let mut differences = std::mem::take(&mut scratch.differences);
-        differences.find(first, tile, least);
+        differences.find([before, &known.corners], tile, known.least);
+        differences.pixels.retain(|&at| !known.refined[known.index(at)].load(Ordering::Relaxed));
+        differences.pixels.iter().for_each(|&at| refined[known.index(at)].store(true, Ordering::Relaxed));
         if !differences.pixels.is_empty() {
             follow.refine(self, camera, &differences.pixels, scratch, meter);
             let colors = scratch.path.finish(follow.samples());
@@ -108,42 +178,57 @@ mod tests {
     use crate::tile::{Order, tiles};
 
     /// Straight from the definition.
-    fn differing(film: &Film, least: f32) -> Vec<[u32; 2]> {
-        let at = |[x, y]: [u32; 2]| film.row(y).nth(x as usize).unwrap().map(|v| v.clamp(0.0, 1.0).sqrt());
-        let range = |at: u32, end: u32| at.saturating_sub(1)..(at + 2).min(end);
-        let all = (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| [x, y]));
-        let far = |a: [f32; 3], b: [f32; 3]| (0..3).any(|k| (a[k] - b[k]).abs() > least);
-        all.filter(|&[x, y]| {
-            range(y, film.height()).any(|ny| range(x, film.width()).any(|nx| far(at([x, y]), at([nx, ny]))))
-        })
-        .collect()
+    fn differing([centres, corners]: [&Film; 2], least: f32) -> Vec<[u32; 2]> {
+        let (width, height) = (centres.width() as i32, centres.height() as i32);
+        let of = |film: &Film, [x, y]: [i32; 2]| {
+            let inside = (0..width).contains(&x) && (0..height).contains(&y);
+            let seen = |pixel: [f32; 3]| pixel.map(|v| v.clamp(0.0, 1.0).sqrt());
+            inside.then(|| seen(film.row(y as u32).nth(x as usize).unwrap()))
+        };
+        let all = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+        let differs = |&[x, y]: &[i32; 2]| {
+            let own = of(centres, [x, y]).unwrap();
+            let far = |other: Option<[f32; 3]>| {
+                other.is_some_and(|other| (0..3).any(|k| (own[k] - other[k]).abs() > least))
+            };
+            (-1..=1).any(|dy| (-1..=1).any(|dx| far(of(centres, [x + dx, y + dy]))))
+                || (-1..=0).any(|dy| (-1..=0).any(|dx| far(of(corners, [x + dx, y + dy]))))
+        };
+        all.filter(differs).map(|at| at.map(|v| v as u32)).collect()
     }
 
     #[test]
     fn pixels_that_differ_are_found_whatever_the_tiles() {
-        let film = Film::new(50, 37);
         let whole = Tile { x: 0, y: 0, width: 50, height: 37 };
         let mut bits = 1u32;
-        let mut plane = |rare: u32| -> Vec<f32> {
-            let value = |_| {
-                bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                if bits >> 8 & 0xff < rare { (bits >> 16) as f32 / 30_000.0 - 0.5 } else { 0.25 }
+        let mut film = || {
+            let film = Film::new(50, 37);
+            let mut plane = |rare: u32| -> Vec<f32> {
+                let value = |_| {
+                    bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                    if bits >> 8 & 0xff < rare { (bits >> 16) as f32 / 30_000.0 - 0.5 } else { 0.25 }
+                };
+                (0..whole.len()).map(value).collect()
             };
-            (0..whole.len()).map(value).collect()
+            film.write_tile(whole, &plane(2), &plane(2), &plane(1));
+            film
         };
-        film.write_tile(whole, &plane(3), &plane(2), &plane(1));
-        let mut expected = differing(&film, 0.1);
-        assert!(expected.len() > 50 && expected.len() < 1000, "{}", expected.len());
-        expected.sort_unstable();
-        for side in [1, 5, 16, 33, 64] {
-            let mut differences = Differences::default();
-            let mut found: Vec<[u32; 2]> = vec![];
-            for tile in tiles(50, 37, side, Order::Hilbert) {
-                differences.find(&film, tile, 0.1);
-                found.extend(&differences.pixels);
+        let (flat, [centres, corners]) = (Film::new(50, 37), [film(), film()]);
+        flat.write_tile(whole, &vec![0.25; 1850], &vec![0.25; 1850], &vec![0.25; 1850]);
+        for films in [[&centres, &corners], [&flat, &corners], [&centres, &flat]] {
+            let mut expected = differing(films, 0.1);
+            assert!(expected.len() > 50 && expected.len() < 1000, "{}", expected.len());
+            expected.sort_unstable();
+            for side in [1, 5, 16, 33, 64] {
+                let mut differences = Differences::default();
+                let mut found: Vec<[u32; 2]> = vec![];
+                for tile in tiles(50, 37, side, Order::Hilbert) {
+                    differences.find(films, tile, 0.1);
+                    found.extend(&differences.pixels);
+                }
+                found.sort_unstable();
+                assert_eq!(found, expected, "tiles of {side}");
             }
-            found.sort_unstable();
-            assert_eq!(found, expected, "tiles of {side}");
         }
     }
 }

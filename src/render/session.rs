@@ -1,7 +1,9 @@
 //! A scene made ready, and frame after frame on the same workers.
 
 use super::{
-    FrameReport, RenderOptions, choose_kernels,
+    FrameReport, RenderOptions,
+    adaptive::{Known, REFINEMENTS, Refining},
+    choose_kernels,
     task::{Frame, Pass, RenderTask, TileReport},
 };
 use crate::{
@@ -216,18 +218,43 @@ impl Session<'_, '_> {
         watch: &mut dyn FnMut(Tile, &Film),
     ) -> Result<(FrameStats, TileReport)> {
         let Some(least) = self.adaptive else {
-            return self.pass(Pass::All, schedule, tiles, control, watch);
+            let (_, stats, sum) = self.pass(Pass::All, schedule, tiles, control, watch)?;
+            return Ok((stats, sum));
         };
-        let (stats, mut sum) = self.pass(Pass::First, schedule, tiles, control, watch)?;
-        let [width, height] = [self.film.width(), self.film.height()];
-        let blank = self.spare.pop().unwrap_or_else(|| Film::new(width, height));
-        let first = std::mem::replace(&mut self.film, blank);
-        let (more, rest) = self.pass(Pass::Second(first, least), schedule, tiles, control, watch)?;
+        let centres = self.camera;
+        self.camera = centres.of_corners();
+        let corners = self.pass(Pass::Once, schedule, tiles, control, &mut |_, _| {});
+        self.camera = centres;
+        let (_, stats, mut sum) = corners?;
+        let corners = self.next_film();
+        let (_, more, rest) = self.pass(Pass::Once, schedule, tiles, control, watch)?;
         sum.add(&rest);
-        Ok((stats.followed_by(more), sum))
+        let mut stats = stats.followed_by(more);
+        let mut known = Known::new(corners, least);
+        for _ in 0..REFINEMENTS {
+            let refining = Pass::Refine(Refining::new(self.next_film(), known));
+            let (refining, more, rest) = self.pass(refining, schedule, tiles, control, watch)?;
+            let Pass::Refine(refining) = refining else { break };
+            let (before, now) = refining.end();
+            self.spare.push(before);
+            known = now;
+            sum.add(&rest);
+            stats = stats.followed_by(more);
+            if rest.rays.primary == 0 {
+                break;
+            }
+        }
+        Ok((stats, sum))
     }
 
-    /// Takes some samples of all pixels.
+    /// Takes the film, and puts another in its place.
+    fn next_film(&mut self) -> Film {
+        let [width, height] = [self.film.width(), self.film.height()];
+        let blank = self.spare.pop().unwrap_or_else(|| Film::new(width, height));
+        std::mem::replace(&mut self.film, blank)
+    }
+
+    /// Takes some samples of all pixels, and gives `pass` back.
     fn pass(
         &mut self,
         pass: Pass,
@@ -235,7 +262,7 @@ impl Session<'_, '_> {
         tiles: &[Tile],
         control: &Control,
         watch: &mut dyn FnMut(Tile, &Film),
-    ) -> Result<(FrameStats, TileReport)> {
+    ) -> Result<(Pass, FrameStats, TileReport)> {
         let (width, height) = (self.film.width(), self.film.height());
         let film = std::mem::replace(&mut self.film, Film::new(0, 0));
         let frame = Frame { camera: self.camera, film, mode: schedule.film, pass };
@@ -247,10 +274,7 @@ impl Session<'_, '_> {
         match self.master.run_frame(schedule, frame, tiles, control, collect) {
             Ok((frame, stats)) => {
                 self.film = frame.film;
-                if let Pass::Second(first, _) = frame.pass {
-                    self.spare.push(first);
-                }
-                Ok((stats, sum))
+                Ok((frame.pass, stats, sum))
             }
             Err(error) => {
                 self.film = Film::new(width, height);

@@ -2,7 +2,7 @@
 
 use super::{
     RenderOptions,
-    adaptive::Differences,
+    adaptive::{Differences, Refining},
     follow::Follow,
     seeds::{HitSeeds, NONE},
 };
@@ -48,10 +48,9 @@ pub(super) enum Pass {
     /// All of them.
     All,
     /// One, through the centre.
-    First,
-    /// All of pixels that differ from others by more than this in the film of the first pass; the others stay as they are
-    /// there.
-    Second(Film, f32),
+    Once,
+    /// All of pixels that differ from others; the others stay as they are.
+    Refine(Refining),
 }
 
 impl Frame {
@@ -163,10 +162,8 @@ impl TileTask for RenderTask<'_> {
         let mut meter = Meter::start();
         match &frame.pass {
             Pass::All => self.colour(&frame.camera, tile, scratch, &mut meter),
-            Pass::First => self.colour_once(&frame.camera, tile, scratch, &mut meter),
-            Pass::Second(first, least) => {
-                self.refine(&frame.camera, tile, first, *least, scratch, &mut meter);
-            }
+            Pass::Once => self.colour_once(&frame.camera, tile, scratch, &mut meter),
+            Pass::Refine(refining) => self.refine(&frame.camera, tile, refining, scratch, &mut meter),
         }
         match frame.mode {
             FilmMode::Shared => {

@@ -85,6 +85,8 @@ pub(super) struct Differences {
     corners: [Vec<f32>; 3],
     /// By pixel of the tile with a border of one pixel.
     differs: Vec<bool>,
+    /// Of a line.
+    far: Vec<bool>,
     /// In the order of packets.
     pixels: Vec<[u32; 2]>,
 }
@@ -113,31 +115,45 @@ impl Differences {
 
     /// Compares every pixel of the area with its corners, and with those to the right, below, and below to either side.
     fn compare(&mut self, area: Tile, least: f32) {
-        let width = area.width as usize;
-        let Differences { centres, corners, differs, .. } = self;
+        let (width, height) = (area.width as usize, area.height as usize);
+        let Differences { centres, corners, differs, far, .. } = self;
         differs.clear();
         differs.resize(area.len(), false);
-        let far = |a: &[Vec<f32>; 3], i: usize, b: &[Vec<f32>; 3], j: usize| {
-            (0..3).any(|k| (a[k][i] - b[k][j]).abs() > least)
-        };
-        for at in 0..area.len() {
-            let (column, below) = (at % width, at + width < area.len());
-            let neighbours = [
-                (column + 1 < width, 1),
-                (below, width),
-                (below && column + 1 < width, width + 1),
-                (below && column > 0, width - 1),
-            ];
-            for (_, step) in neighbours.into_iter().filter(|(there, _)| *there) {
-                if far(centres, at, centres, at + step) {
-                    differs[at] = true;
-                    differs[at + step] = true;
+        // Pixels against those `right - left` columns to the right and `down` rows below; corners the other way.
+        let mut pairs = |[left, right]: [usize; 2], down: usize, others: &[Vec<f32>; 3], both: bool| {
+            for row in down..height {
+                let ends = |row: usize, shift: usize| {
+                    row * width + shift..row * width + width - (left + right) + shift
+                };
+                let (one, other) = (ends(row - down, left), ends(row, right));
+                let (one, other) = if both { (one, other) } else { (other, one) };
+                compare_lines(
+                    [0, 1, 2].map(|k| (&centres[k][one.clone()], &others[k][other.clone()])),
+                    least,
+                    far,
+                );
+                differs[one].iter_mut().zip(&*far).for_each(|(differs, far)| *differs |= far);
+                if both {
+                    differs[other].iter_mut().zip(&*far).for_each(|(differs, far)| *differs |= far);
                 }
             }
-            let (left, above) = (column > 0, at >= width);
-            let around = [(true, 0), (left, 1), (above, width), (left && above, width + 1)].into_iter();
-            let at_corner = |(there, back): (bool, usize)| there && far(centres, at, corners, at - back);
-            differs[at] = differs[at] || around.map(at_corner).any(|far| far);
+        };
+        for (columns, down) in [([0, 1], 0), ([0, 0], 1), ([0, 1], 1), ([1, 0], 1)] {
+            pairs(columns, down, centres, true);
+        }
+        for (columns, down) in [([0, 0], 0), ([0, 1], 0), ([0, 0], 1), ([0, 1], 1)] {
+            pairs(columns, down, corners, false);
+        }
+    }
+}
+
+/// Whether colours differ by more than `least`: red, green and blue of both.
+fn compare_lines(lines: [(&[f32], &[f32]); 3], least: f32, far: &mut Vec<bool>) {
+    far.clear();
+    far.resize(lines[0].0.len(), false);
+    for (one, other) in lines {
+        for ((far, one), other) in far.iter_mut().zip(one).zip(other) {
+            *far |= (one - other).abs() > least;
         }
     }
 }

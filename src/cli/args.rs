@@ -3,8 +3,7 @@
 use super::study_args::{AccuracyArgs, BenchArgs, CoherenceArgs, ScalingArgs, StabilityArgs};
 use super::value::{
     IsaChoice, budget, field_of_view, max_error, milliseconds, number, one_of, positive_share, rate, seconds,
-    share, size,
-    vector, whole,
+    share, size, vector, whole,
 };
 use crate::{
     bvh::BuildPreset,

@@ -25,6 +25,8 @@ pub enum Knob {
     Tree,
     /// Camera rays per pixel.
     Samples,
+    /// Pixels that get all samples: see [`crate::scene::RenderSettings::adaptive`].
+    Adaptive,
     /// Shadow rays to lights with an extent.
     LightSamples,
     /// Diffuse reflections that light is followed over.
@@ -43,10 +45,10 @@ pub enum Knob {
 
 impl Knob {
     /// All of them, in the order of reports.
-    pub const ALL: [Knob; 12] = {
+    pub const ALL: [Knob; 13] = {
         use Knob::{
-            Bounces, Colours, Cutoff, Depth, Fill, Isa, Kernel, LightSamples, Samples, Textures, Tree,
-            Visibility,
+            Adaptive, Bounces, Colours, Cutoff, Depth, Fill, Isa, Kernel, LightSamples, Samples, Textures,
+            Tree, Visibility,
         };
         [
             Visibility,
@@ -54,6 +56,7 @@ impl Knob {
             Isa,
             Tree,
             Samples,
+            Adaptive,
             LightSamples,
             Bounces,
             Depth,
@@ -72,6 +75,7 @@ impl Knob {
             Knob::Isa => "instruction set",
             Knob::Tree => "tree",
             Knob::Samples => "samples",
+            Knob::Adaptive => "adaptive samples",
             Knob::LightSamples => "light samples",
             Knob::Bounces => "bounces",
             Knob::Depth => "depth",
@@ -90,6 +94,7 @@ impl Knob {
             }
             Knob::Kernel | Knob::Isa | Knob::Tree => "none: the image is the same, bit by bit",
             Knob::Samples => "jagged edges, and noise of whatever is sampled",
+            Knob::Adaptive => "jagged or missing detail that no first sample of a pixel tells of",
             Knob::LightSamples => "noise in soft shadows",
             Knob::Bounces => "light missing where it arrives by way of other surfaces",
             Knob::Depth => "mirrors and glass that end in darkness",
@@ -103,7 +108,7 @@ impl Knob {
     /// Whether its modes are judged by the converged image alone: what they change is noise or detail. The others change
     /// single pixels of the default image.
     pub fn converges(self) -> bool {
-        matches!(self, Knob::Samples | Knob::LightSamples | Knob::Bounces | Knob::Fill)
+        matches!(self, Knob::Samples | Knob::Adaptive | Knob::LightSamples | Knob::Bounces | Knob::Fill)
     }
 
     /// Whether it can change what is hit.
@@ -127,6 +132,8 @@ pub enum Mode {
     Tree(BuildPreset),
     /// See [`Knob::Samples`].
     Samples(u32),
+    /// See [`Knob::Adaptive`]: the samples of pixels that differ, and by how much.
+    Adaptive(u32, f32),
     /// See [`Knob::LightSamples`].
     LightSamples(u32),
     /// See [`Knob::Bounces`].
@@ -162,6 +169,7 @@ impl Mode {
             Mode::Isa(_) => Knob::Isa,
             Mode::Tree(_) => Knob::Tree,
             Mode::Samples(_) => Knob::Samples,
+            Mode::Adaptive(..) => Knob::Adaptive,
             Mode::LightSamples(_) => Knob::LightSamples,
             Mode::Bounces(_) => Knob::Bounces,
             Mode::Depth(_) => Knob::Depth,
@@ -180,6 +188,7 @@ impl Mode {
             Mode::Isa(isa) => format!("--isa {isa}"),
             Mode::Tree(preset) => format!("--build {preset}"),
             Mode::Samples(count) => format!("--samples {count}"),
+            Mode::Adaptive(count, least) => format!("--samples {count} --adaptive {least}"),
             Mode::LightSamples(count) => format!("--light-samples {count}"),
             Mode::Bounces(count) => format!("--bounces {count}"),
             Mode::Depth(count) => format!("--max-depth {count}"),
@@ -205,7 +214,8 @@ impl Mode {
     pub fn scene(self, scene: &Scene) -> Cow<'_, Scene> {
         let mut settings = scene.settings.clone();
         match self {
-            Mode::Samples(count) => settings.samples = count,
+            Mode::Samples(count) => (settings.samples, settings.adaptive) = (count, None),
+            Mode::Adaptive(count, least) => (settings.samples, settings.adaptive) = (count, Some(least)),
             Mode::LightSamples(count) => settings.light_samples = count,
             Mode::Bounces(count) => settings.bounces = count,
             Mode::Depth(count) => settings.max_depth = count,
@@ -236,6 +246,7 @@ impl fmt::Display for Mode {
             Mode::Isa(isa) => format!("isa {isa}"),
             Mode::Tree(preset) => format!("tree {preset}"),
             Mode::Samples(count) => format!("samples {count}"),
+            Mode::Adaptive(count, least) => format!("samples {count} where {least} apart"),
             Mode::LightSamples(count) => format!("light samples {count}"),
             Mode::Bounces(count) => format!("bounces {count}"),
             Mode::Depth(count) => format!("depth {count}"),
@@ -255,6 +266,8 @@ impl serde::Serialize for Mode {
 }
 
 const SAMPLES: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
+/// Samples, and by how much pixels differ that get them.
+const ADAPTIVE: [(u32, f32); 4] = [(8, 0.04), (16, 0.04), (20, 0.02), (32, 0.01)];
 const LIGHT_SAMPLES: [u32; 4] = [1, 4, 16, 64];
 const DEPTHS: [u32; 4] = [1, 2, 4, 16];
 const CUTOFFS: [f32; 3] = [0.0, 1.0 / 64.0, 1.0 / 16.0];
@@ -307,6 +320,7 @@ fn of_knob(
             BuildPreset::ALL.into_iter().filter(|&other| other != options.build).map(Mode::Tree).collect()
         }
         Knob::Samples => counts(&SAMPLES, settings.samples, Mode::Samples),
+        Knob::Adaptive => ADAPTIVE.map(|(count, least)| Mode::Adaptive(count, least)).into(),
         Knob::LightSamples => {
             called(&SAMPLED_LIGHTS, "no light has an extent")?;
             counts(&LIGHT_SAMPLES, settings.light_samples, Mode::LightSamples)

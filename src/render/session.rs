@@ -232,7 +232,7 @@ impl Session<'_, '_> {
         let mut stats = stats.followed_by(more);
         let mut known = Known::new(corners, least);
         for _ in 0..REFINEMENTS {
-            let refining = Pass::Refine(Refining::new(self.next_film(), known));
+            let refining = Pass::Refine(Box::new(Refining::new(self.next_film(), known)));
             let (refining, more, rest) = self.pass(refining, schedule, tiles, control, watch)?;
             let Pass::Refine(refining) = refining else { break };
             let (before, now) = refining.end();

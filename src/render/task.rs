@@ -50,7 +50,7 @@ pub(super) enum Pass {
     /// One, through the centre.
     Once,
     /// All of pixels that differ from others; the others stay as they are.
-    Refine(Refining),
+    Refine(Box<Refining>),
 }
 
 impl Frame {

@@ -2,6 +2,7 @@
 
 mod ambient;
 mod box_light;
+mod ends;
 mod glass;
 mod pictures;
 mod reasons;

@@ -1,5 +1,6 @@
 //! The protocol on real threads: load, panics, cancellation. Every test has a deadline: a hang is a failure.
 
+mod ahead;
 mod cancel;
 mod dying;
 mod panics;

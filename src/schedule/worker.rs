@@ -237,3 +237,21 @@ fn message_of(payload: &(dyn Any + Send)) -> String {
         _ => "a panic without a message".to_string(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thief_takes_half_of_the_fullest_deque_from_its_front() {
+        let deques: Vec<Deque<usize>> = (0..4).map(|_| Deque::new_fifo()).collect();
+        (0..3).for_each(|place| deques[1].push(place));
+        (10..20).for_each(|place| deques[2].push(place));
+        let stealers: Vec<Stealer<usize>> = deques.iter().map(Deque::stealer).collect();
+        let mut steals = 0;
+        let mut next = || next_or_stolen(0, &deques[0], &stealers, &mut steals);
+        assert_eq!([(); 5].map(|()| next()), [10, 11, 12, 13, 14].map(Some));
+        assert_eq!(deques.iter().map(Deque::len).collect::<Vec<_>>(), [0, 3, 5, 0]);
+        assert_eq!(std::iter::from_fn(next).collect::<Vec<_>>(), [15, 16, 17, 0, 1, 18, 19, 2]);
+    }
+}

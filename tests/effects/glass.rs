@@ -103,3 +103,16 @@ fn glass_that_is_tinted_and_only_partly_clear_takes_its_share() {
         close(got[k], [0.75, 0.375, 0.0][k], 1.0e-5, "tint");
     }
 }
+
+#[test]
+fn without_fresnel_light_is_mirrored_inside_only_beyond_the_critical_angle() {
+    // The critical angle of 1.5 is 41.8 degrees.
+    for (degrees, total) in [(41.0f64, false), (43.0, true), (70.0, true)] {
+        let mut scene = scene(&floor(), Material { illum: 9, ..glass(1.5, Vec3::ZERO) });
+        halves(&mut scene, 0.0, 1.0);
+        let theta = degrees.to_radians();
+        let eye = -Vec3::new(theta.sin() as f32, theta.cos() as f32, 0.0);
+        let got = radiance(&scene, eye, Vec3::ZERO).x;
+        close(got, if total { theta.cos() } else { 0.0 }, 1.0e-4, &format!("{degrees} degrees"));
+    }
+}

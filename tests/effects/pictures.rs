@@ -34,6 +34,9 @@ fn images_colour_reflection_ambient_light_and_emission() {
     scene.ambient = Vec3::splat(0.4);
     assert_eq!(radiance(&scene, EYE, Vec3::new(-0.7, 0.1, 0.0)), Vec3::new(0.2, 0.0, 0.0));
     assert_eq!(radiance(&scene, EYE, Vec3::new(0.7, 0.1, 0.0)), Vec3::new(0.0, 0.2, 0.0));
+    // Ambient reflectance of its own has its own colour.
+    scene.materials[0].ka = Vec3::splat(0.75);
+    assert_eq!(radiance(&scene, EYE, Vec3::new(-0.7, 0.1, 0.0)), Vec3::splat(0.4 * 0.75));
     let mut glowing = square(Material { map_ke: Some(0), ke: Vec3::splat(3.0), ..matt(0.5) });
     assert_eq!(radiance(&glowing, EYE, Vec3::new(0.7, 0.1, 0.0)), Vec3::new(0.0, 3.0, 0.0));
     // The image of a lamp also colours its light.
@@ -84,23 +87,28 @@ fn holes_show_what_is_behind_and_let_light_through() {
 
 #[test]
 fn normals_from_images_bend_the_light() {
-    // A normal that leans towards +x by 45 degrees, and heights that rise towards +x with the same slope.
-    let lean = [0.5 + 0.5 * 0.5f32.sqrt(), 0.5, 0.5 + 0.5 * 0.5f32.sqrt(), 1.0];
-    let normals = Texture::new("normals", [1, 1], vec![lean], Wrap::Repeat);
-    let ramp = Texture::new("heights", [64, 1], (0..64).map(|i| [i as f32 / 64.0; 4]).collect(), Wrap::Clamp);
-    let bump = |texture, kind, strength| Some(Bump { texture, kind, strength });
-    for (kind, texture, strength, want) in [
-        (BumpKind::Normal, normals, 1.0, 1.0f32),
-        // u goes from 0 to 1 over 2 units, so that a height of 2 is a slope of 1: falling towards -x.
-        (BumpKind::Height, ramp, -2.0, 1.0),
+    // A normal that leans towards +x or +y by 45 degrees, and heights that fall in that direction with the same slope: u and
+    // v go from 0 to 1 over 2 units, so that a height of 2 is a slope of 1.
+    let lean = 0.5 + 0.5 * 0.5f32.sqrt();
+    let normals = |r: f32, g: f32| Texture::new("normals", [1, 1], vec![[r, g, lean, 1.0]], Wrap::Repeat);
+    let ramp = |size: [u32; 2], height: fn(u32) -> f32| {
+        let pixels = (0..64).map(|i| [height(i) / 64.0; 4]).collect();
+        Texture::new("heights", size, pixels, Wrap::Clamp)
+    };
+    for (axis, kind, texture, strength) in [
+        (Vec3::X, BumpKind::Normal, normals(lean, 0.5), 1.0),
+        (Vec3::Y, BumpKind::Normal, normals(0.5, lean), 1.0),
+        (Vec3::X, BumpKind::Height, ramp([64, 1], |column| column as f32), -2.0),
+        // Rows run down.
+        (Vec3::Y, BumpKind::Height, ramp([1, 64], |row| 63.0 - row as f32), -2.0),
     ] {
-        let mut scene = square(Material { bump: bump(1, kind, strength), ..matt(0.5) });
+        let mut scene = square(Material { bump: Some(Bump { texture: 1, kind, strength }), ..matt(0.5) });
         scene.textures.push(texture);
         for (toward, cosine) in [(1.0f32, 1.0f64), (-1.0, 0.0)] {
-            let direction = -Vec3::new(toward * want, 0.0, 1.0).normalize();
+            let direction = -(toward * axis + Vec3::Z).normalize();
             scene.lights = vec![Light::Directional { direction, intensity: Vec3::ONE }];
             let got = radiance(&scene, EYE, Vec3::new(0.1, 0.2, 0.0)).x;
-            assert!((f64::from(got) - 0.5 * cosine).abs() < 2.0e-3, "{kind:?}, {toward}: {got}");
+            assert!((f64::from(got) - 0.5 * cosine).abs() < 2.0e-3, "{kind:?} along {axis}, {toward}: {got}");
         }
     }
 }

@@ -1,10 +1,10 @@
 //! Which effects a scene calls for, and why.
 
 use super::{floor, matt, scene};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use irt::{
-    effects::{Effect, EffectSet, Reason, Reasons},
-    scene::{AreaLight, Falloff, Light, Material, Scene, procedural},
+    effects::{Effect, EffectChoice, EffectSet, Reason, Reasons},
+    scene::{AmbientOcclusion, AreaLight, Falloff, Light, Material, Scene, Texture, Wrap, procedural},
 };
 
 fn reason(scene: &Scene, effect: Effect) -> Reason {
@@ -55,6 +55,7 @@ fn light_calls_for_shadows_by_its_kind() {
     let mut scene = scene(&floor(), Material { ks: Vec3::ONE, ..matt(0.5) });
     says(&scene, Effect::HardShadows, false, "no point, directional or spot light");
     says(&scene, Effect::Highlights, false, "no light to be reflected");
+    says(&scene, Effect::Highlights, false, "no light to be reflected");
     let light = Light::Point { position: Vec3::Y, intensity: Vec3::ONE, falloff: Falloff::None };
     scene.lights.push(light);
     says(&scene, Effect::HardShadows, true, "1 light without extent");
@@ -87,6 +88,50 @@ fn what_is_not_switched_on_says_so() {
     says(&scene, Effect::DiffuseTexture, false, "no material calls for diffuse-texture");
     let reasons: Vec<Effect> = Reasons::new(&scene).iter().map(|reason| reason.effect).collect();
     assert_eq!(reasons, Effect::ALL);
+}
+
+#[test]
+fn what_could_not_show_is_not_called_for() {
+    let mut scene = scene(&floor(), Material { map_kd: Some(0), ..matt(0.5) });
+    scene.settings.ambient_occlusion = Some(AmbientOcclusion { radius: 2.0, samples: 4 });
+    says(&scene, Effect::AmbientOcclusion, false, "no ambient light to be occluded");
+    scene.ambient = Vec3::X;
+    says(&scene, Effect::AmbientOcclusion, true, "switched on, within 2 units");
+    scene.textures.push(Texture::new("wood", [1, 1], vec![[1.0; 4]], Wrap::Repeat));
+    let wood = "material `default` has map_Kd `wood`, 2 triangles";
+    let missing = format!("{wood}, but the meshes have no texture coordinates");
+    says(&scene, Effect::DiffuseTexture, false, &missing);
+    scene.mesh.uvs = vec![Vec2::ZERO; scene.mesh.positions.len()];
+    says(&scene, Effect::DiffuseTexture, true, wood);
+    says(&scene, Effect::SmoothNormals, false, "no vertex has a normal of its own");
+    scene.mesh.normals = vec![Vec3::ZERO; scene.mesh.positions.len()];
+    says(&scene, Effect::SmoothNormals, false, "no triangle has a vertex with a normal of its own");
+    scene.mesh.normals[3] = Vec3::Y;
+    says(&scene, Effect::SmoothNormals, true, "1 triangle with normals of their vertices");
+}
+
+#[test]
+fn the_material_of_most_triangles_is_named_and_the_others_are_counted() {
+    let named = |name: &str| Material { name: name.into(), ks: Vec3::ONE, illum: 3, ..matt(0.5) };
+    let mut scene = scene(&[floor(), floor(), floor()].concat(), named("a"));
+    scene.materials.extend([named("b"), named("c"), named("unused")]);
+    scene.mesh.materials = vec![0, 1, 1, 1, 2, 2];
+    let why = "material `b` has illum 3 and Ks 1, 3 triangles; and 2 other materials";
+    says(&scene, Effect::Mirror, true, why);
+    scene.mesh.materials = vec![0, 0, 0, 2, 2, 2];
+    let why = "material `a` has illum 3 and Ks 1, 3 triangles; and 1 other material";
+    says(&scene, Effect::Mirror, true, why);
+}
+
+#[test]
+fn a_choice_takes_away_from_what_is_called_for_and_adds_nothing() {
+    let mut scene = scene(&floor(), Material { ks: Vec3::ONE, illum: 3, ..matt(0.5) });
+    scene.settings.samples = 4;
+    let reasons = Reasons::new(&scene);
+    let set = |choice: &str| choice.parse::<EffectChoice>().expect("a choice").set(&reasons).to_string();
+    assert_eq!([set("auto"), set("all")], ["mirror,antialiasing"; 2]);
+    assert_eq!([set("mirror,sky"), set("without=antialiasing,sky")], ["mirror"; 2]);
+    assert_eq!([set("none"), set("sky"), set("without=mirror,antialiasing")], ["none"; 3]);
 }
 
 #[test]

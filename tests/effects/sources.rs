@@ -64,6 +64,11 @@ fn a_rectangle_lights_a_plane_by_its_form_factor() {
         let turned =
             AreaLight::Rectangle { corner, edge_u: edge_v, edge_v: edge_u, radiance: sent, two_sided: false };
         assert_eq!(radiance(&lit_by(turned, 16), EYE, Vec3::ZERO), Vec3::ZERO, "from behind");
+        let AreaLight::Rectangle { corner, edge_u, edge_v, radiance: sent, .. } = turned else {
+            unreachable!()
+        };
+        let both = AreaLight::Rectangle { corner, edge_u, edge_v, radiance: sent, two_sided: true };
+        close(radiance(&lit_by(both, 1024), EYE, Vec3::ZERO).x, want, 0.01, "from behind, two-sided");
     }
 }
 

@@ -109,12 +109,15 @@ fn bad_textures_are_errors_that_name_the_line() {
     let jpeg = stored("baseline.jpg");
     fails(texture(&jpeg[..jpeg.len() / 2]).map(|_| Scene::default()), &[place, "is a broken JPEG"]);
     // 20000 x 20000 pixels, as the header has it: no memory is spent on them.
-    let mut large = good_png.clone();
-    large[16..24].copy_from_slice(&[0, 0, 0x4e, 0x20, 0, 0, 0x4e, 0x20]);
-    let checksum = crc(&large[12..29]).to_be_bytes();
-    large[29..33].copy_from_slice(&checksum);
-    let what = "has 20000x20000 pixels, which is too large; scale it to at most 16384 a side";
-    fails(texture(&large).map(|_| Scene::default()), &[place, what]);
+    for (side, remedy) in [(20_000u32, "16384 a side"), (16_384, "16384 a side and 67108864 in all")] {
+        let mut large = good_png.clone();
+        large[16..20].copy_from_slice(&side.to_be_bytes());
+        large[20..24].copy_from_slice(&side.to_be_bytes());
+        let checksum = crc(&large[12..29]).to_be_bytes();
+        large[29..33].copy_from_slice(&checksum);
+        let what = format!("has {side}x{side} pixels, which is too large; scale it to at most {remedy}");
+        fails(texture(&large).map(|_| Scene::default()), &[place, &what]);
+    }
     fails(load_obj(&with_map("map_Kd no such.png")), &["a.mtl:3: texture `no such.png` was not found in "]);
     fails(load_obj(&with_map("map_Kd -s 1 2")), &["a.mtl:3: texture `2` was not found"]);
     fails(load_obj(&with_map("map_d")), &["a.mtl:3: `map_d` without a file"]);

@@ -82,10 +82,10 @@ fn after_a_cancellation_no_worker_begins_another_tile() {
 #[test]
 fn the_flag_is_seen_while_no_report_comes() {
     in_time(|| {
-        with_counting(2, |master| {
-            for schedule in
-                Schedule::all().filter(|s| matches!(s.strategy, Strategy::Static | Strategy::StaticCyclic))
-            {
+        with_counting(1, |master| {
+            // A worker with several parcels does not wait until its report is read: it goes on unless it is stopped already.
+            let goes_on = |s: &Schedule| s.strategy.parcels() > 1 && s.film == FilmMode::Shared;
+            for schedule in Schedule::all().filter(goes_on) {
                 let cancel = AtomicBool::new(false);
                 let tiles = tiles(64, 64, 1, Order::Scanline);
                 let mut ran = 0;
@@ -94,13 +94,13 @@ fn the_flag_is_seen_while_no_report_comes() {
                         std::thread::sleep(Duration::from_millis(50));
                         cancel.store(true, Ordering::Relaxed);
                     });
-                    // The first worker sits on its first tile while the flag is set; the others are behind it.
-                    let frame = Visits::new(64, 64).with(0, 0, Mishap::Sleep(Duration::from_millis(500)));
+                    // The worker sits on its first tile while the flag is set.
+                    let frame = Visits::new(64, 64).with(0, 0, Mishap::Sleep(Duration::from_millis(400)));
                     let control = Control::new(&cancel, &|_| {});
                     let result = master.run_frame(schedule, frame, &tiles, &control, |_, _, _| ran += 1);
                     assert!(matches!(result, Err(Error::Interrupted)), "{schedule:?}");
                 });
-                assert!(ran <= 1 + 64 * 32, "{schedule:?}: {ran} tiles ran");
+                assert_eq!(ran, 1, "{schedule:?}");
             }
             Ok(())
         })

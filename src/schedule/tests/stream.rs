@@ -216,3 +216,41 @@ fn only_those_employed_take_part_and_are_counted_from_0() {
         .unwrap();
     });
 }
+
+/// Gives one frame, and cancels when it is handed back.
+struct Cancels<'a> {
+    left: Option<Visits>,
+    cancel: &'a AtomicBool,
+}
+
+impl Source<Counting<'_>> for Cancels<'_> {
+    fn next(&mut self) -> Option<Visits> {
+        self.left.take()
+    }
+
+    fn more(&self) -> bool {
+        false
+    }
+
+    fn collect(&mut self, _: &Visits, _: Tile, _: &mut usize) {}
+
+    fn done(&mut self, _: Visits) {
+        self.cancel.store(true, Ordering::Relaxed);
+    }
+}
+
+#[test]
+fn the_flag_is_looked_at_once_more_at_the_end() {
+    in_time(|| {
+        with_counting(2, |master| {
+            let cancel = AtomicBool::new(false);
+            let mut source = Cancels { left: Some(Visits::new(SIZE, SIZE)), cancel: &cancel };
+            let tiles = tiles(SIZE, SIZE, SIDE, Order::Hilbert);
+            let control = Control::new(&cancel, &|_| {});
+            let result = master.run_stream(Schedule::default(), 1, &tiles, &control, &mut source);
+            assert!(matches!(result, Err(Error::Interrupted)));
+            Ok(())
+        })
+        .unwrap();
+    });
+}

@@ -261,6 +261,10 @@ mod tests {
         // As messages, the master's time is that of copying.
         let messages = blind.seen_in(&[stats.clone()], Schedule { film: FilmMode::Messages, ..dynamic });
         assert!(near(messages.per_byte, (75.0 - 10.0 * 0.1 - 10.0 * 0.5) / (12.0 * 10.0)), "{messages:?}");
+        // Whoever has other parcels does not wait for answers: they take as long as reports.
+        let non_blocking = Schedule { strategy: Strategy::NonBlocking, film: FilmMode::Shared };
+        let seen = blind.seen_in(std::slice::from_ref(&stats), non_blocking);
+        assert!(near(seen.to_worker, 3.0), "{seen:?}");
         // Two reports of ten tiles tell nothing.
         stats.reports.awaited = 2;
         assert_eq!(blind.seen_in(&[stats], dynamic), blind);

@@ -57,14 +57,20 @@ impl Size {
     fn new(stage: &Stage<'_>, side: u32, frames: &[FrameStats]) -> Size {
         let tiles = stage.tiles(side);
         let costs = TileCosts::new(&tiles, frames);
-        // Tiles at the edges of the image are smaller, and no measure of what regions of one size cost.
-        let full = |tile: &&Tile| tile.width == side && tile.height == side;
-        let seconds: Vec<f64> = tiles.iter().filter(full).map(|&tile| costs.of(tile)).collect();
-        let dearest = seconds.iter().copied().fold(f64::NAN, f64::max);
-        let cheapest = seconds.iter().copied().fold(f64::NAN, f64::min);
-        let mean = seconds.iter().sum::<f64>() / seconds.len().max(1) as f64;
-        Size { side, tiles, costs, ratio: dearest / cheapest, over_mean: dearest / mean }
+        let [ratio, over_mean] = ratios(side, &tiles, &costs);
+        Size { side, tiles, costs, ratio, over_mean }
     }
+}
+
+/// Cost of the dearest tile over that of the cheapest and over the mean. Tiles at the edges of the image are smaller, and no
+/// measure of what regions of one size cost.
+fn ratios(side: u32, tiles: &[Tile], costs: &TileCosts) -> [f64; 2] {
+    let full = |tile: &&Tile| tile.width == side && tile.height == side;
+    let seconds: Vec<f64> = tiles.iter().filter(full).map(|&tile| costs.of(tile)).collect();
+    let dearest = seconds.iter().copied().fold(f64::NAN, f64::max);
+    let cheapest = seconds.iter().copied().fold(f64::NAN, f64::min);
+    let mean = seconds.iter().sum::<f64>() / seconds.len().max(1) as f64;
+    [dearest / cheapest, dearest / mean]
 }
 
 /// Measures frames of every size in `sides` under the schedule of `options.render` for 1 worker up to the machine's, and
@@ -155,6 +161,17 @@ fn mark(rows: &mut [SizeRow], workers: &[usize]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::schedule::Span;
+
+    #[test]
+    fn tiles_that_the_edge_of_the_image_cuts_are_not_compared() {
+        let tile = |x, width| Tile { x, y: 0, width, height: 16 };
+        let tiles = [(tile(0, 16), 2.0), (tile(16, 16), 6.0), (tile(32, 16), 1.0), (tile(48, 5), 0.1)];
+        let spans = tiles.map(|(tile, end)| Span { frame: 0, worker: 0, tile, start: 0.0, end }).to_vec();
+        let tiles = tiles.map(|(tile, _)| tile);
+        let costs = TileCosts::new(&tiles, &[FrameStats { frames: 1, spans, ..FrameStats::default() }]);
+        assert_eq!(ratios(16, &tiles, &costs), [6.0, 2.0]);
+    }
 
     #[test]
     fn the_fastest_size_and_the_largest_one_within_the_rule_are_marked_for_each_number_of_workers() {

@@ -4,6 +4,7 @@ mod ambient;
 mod box_light;
 mod ends;
 mod glass;
+mod gloss;
 mod pictures;
 mod reasons;
 mod same;

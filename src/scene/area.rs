@@ -74,6 +74,7 @@ pub(super) fn drop_degenerate(mesh: &mut TriangleMesh, others: &[Shape]) -> usiz
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Part;
 
     #[test]
     fn collinear_points_are_degenerate_and_the_thinnest_sliver_is_not() {
@@ -89,6 +90,22 @@ mod tests {
         assert!(!is_degenerate([Vec3::ZERO, Vec3::X * tiny, Vec3::Y * tiny]));
         assert!(!is_degenerate([Vec3::ONE * 1.0e30, Vec3::X * tiny, Vec3::ZERO]));
         assert!(!is_degenerate([Vec3::ZERO, Vec3::ONE, Vec3::new(2.0, 2.0, 2.000_000_2)]));
+    }
+
+    #[test]
+    fn the_triangles_that_stay_keep_their_materials_and_parts() {
+        let part = |first, count| Part { name: format!("{first}"), first, count };
+        let mut mesh = TriangleMesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            triangles: vec![[0, 0, 1], [0, 1, 2], [1, 1, 2], [2, 0, 1]],
+            materials: vec![4, 5, 6, 7],
+            parts: vec![part(0, 2), part(2, 1), part(3, 1)],
+            ..TriangleMesh::default()
+        };
+        assert_eq!(drop_degenerate(&mut mesh, &[]), 2);
+        assert_eq!((mesh.triangles, mesh.materials), (vec![[0, 1, 2], [2, 0, 1]], vec![5, 7]));
+        let parts: Vec<_> = mesh.parts.iter().map(|part| (&*part.name, part.first, part.count)).collect();
+        assert_eq!(parts, [("0", 0, 1), ("3", 1, 1)]);
     }
 
     #[test]

@@ -115,13 +115,16 @@ fn far_away_and_in_mirrors_pictures_are_seen_as_their_mean() {
     let see = |scene: &Scene, height: f32| radiance(scene, at + height * Vec3::Y, at).x;
     assert!(see(&scene, 30.0) % 1.0 == 0.0, "one texel");
     close(see(&scene, 1.0e4), 0.5, 1.0e-5, "far away");
-    // Up to a mirror far away, and down again to the picture: the cone grows all the way.
-    let high = rectangle(Vec3::new(-9.0, 1.0e4, -9.0), 18.0 * Vec3::X, 18.0 * Vec3::Z);
-    let mut mirrored = over_the_floor(&high, scene.materials.clone().try_into().expect("two"));
+    // Along x for as long, and down by a mirror one above the picture: the cone goes on from where it was.
+    let mirror_at = at + Vec3::Y;
+    let slope = Vec3::new(1.0, 1.0, 0.0);
+    let slanted = rectangle(mirror_at - 0.5 * (slope + Vec3::Z), slope, Vec3::Z);
+    let mut mirrored = over_the_floor(&slanted, scene.materials.clone().try_into().expect("two"));
     mirrored.textures = scene.textures.clone();
     mirrored.mesh.uvs = uv(&mirrored);
-    let upwards = |from: f32| radiance(&mirrored, at + from * Vec3::Y, at + 1.0e4 * Vec3::Y).x;
-    close(upwards(1.0), 0.5, 1.0e-5, "in a mirror");
+    let aside = |by: f32| radiance(&mirrored, mirror_at + by * Vec3::X, mirror_at).x;
+    assert!((aside(30.0) - see(&scene, 30.0)).abs() < 1.0e-5, "one texel");
+    close(aside(1.0e4), 0.5, 1.0e-5, "in a mirror");
 }
 
 #[test]

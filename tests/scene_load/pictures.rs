@@ -94,6 +94,8 @@ fn bad_textures_are_errors_that_name_the_line() {
     let path = folder.path().join("x.png");
     png(&path, [4, 4], ExtendedColorType::Rgb8, &[7; 48]);
     let good_png = fs::read(&path).expect("written");
+    let mut bad_end = good_png.clone();
+    bad_end[good_png.len() - 1] ^= 1;
     let place = "a.mtl:3: texture `t.dat`";
     let cases: &[(&[u8], &str)] = &[
         (b"", "is no PNG or JPEG picture; save it as PNG or JPEG"),
@@ -101,6 +103,9 @@ fn bad_textures_are_errors_that_name_the_line() {
         (b"#?RADIANCE\n", "is a high-dynamic-range picture, not a texture"),
         (&good_png[..20], "is a broken PNG"),
         (&good_png[..good_png.len() - 14], "is a broken PNG"),
+        // All of the picture is there, but not the end of the file.
+        (&good_png[..good_png.len() - 12], "is a broken PNG"),
+        (&bad_end, "is a broken PNG"),
         (b"\xff\xd8\xff\xe0", "is a broken JPEG"),
     ];
     for &(bytes, what) in cases {

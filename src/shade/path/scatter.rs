@@ -187,7 +187,7 @@ fn visible_normal<S: Simd>(
     let [t, b] = wide::basis(s, ns);
     let local = [wide::dot(view, t), wide::dot(view, b), wide::dot(view, ns).max(zero)];
     let stretched = wide::normalize(s, [alpha * local[0], alpha * local[1], local[2]]);
-    let [t1, t2] = wide::basis(s, stretched);
+    let [t1, t2] = across(s, stretched);
     let radius = u.sqrt();
     let [sin, cos] = sin_cos(s, v);
     let (p1, p2) = (radius * cos, radius * sin);
@@ -197,6 +197,19 @@ fn visible_normal<S: Simd>(
     let n = wide::add(wide::add(wide::scale(t1, p1), wide::scale(t2, p2)), wide::scale(stretched, p3));
     let micro = wide::normalize(s, [alpha * n[0], alpha * n[1], n[2].max(F32::splat(s, 1.0e-6))]);
     wide::add(wide::add(wide::scale(t, micro[0]), wide::scale(b, micro[1])), wide::scale(ns, micro[2]))
+}
+
+/// Two unit vectors that stand on the unit vector `n` and on each other, the first one level in its local coordinates: the disc
+/// of visible normals is cut along it.
+#[inline(always)]
+fn across<S: Simd>(s: S, n: V3<S>) -> [V3<S>; 2] {
+    let (zero, one) = (F32::splat(s, 0.0), F32::splat(s, 1.0));
+    let square = n[0] * n[0] + n[1] * n[1];
+    let tiny = F32::splat(s, 1.0e-20);
+    let by = one / square.max(tiny).sqrt();
+    let slanted = tiny.lt(square);
+    let (x, y) = (slanted.select(-n[1] * by, one), slanted.select(n[0] * by, zero));
+    [[x, y, zero], [-n[2] * y, n[2] * x, n[0] * y - n[1] * x]]
 }
 
 /// Smith's masking-shadowing over masking: what a sampled reflection counts.

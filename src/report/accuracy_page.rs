@@ -103,7 +103,9 @@ fn curves(scene: &SceneAccuracy, measure: &str, error: impl Fn(&Row) -> f64, noi
         let mut points: Vec<_> = of_knob.iter().map(|row| point(row, short(row))).collect();
         if !points.is_empty() {
             points.extend(default.map(|row| point(row, String::new())));
-            curves.push(Curve { name: knob.name().into(), points, joined: true });
+            // Two numbers make no line.
+            let joined = knob != Knob::Adaptive;
+            curves.push(Curve { name: knob.name().into(), points, joined });
         }
     }
     curves.extend(default.map(|row| Curve {
@@ -124,6 +126,9 @@ fn curves(scene: &SceneAccuracy, measure: &str, error: impl Fn(&Row) -> f64, noi
 
 /// The setting without the name of its knob.
 fn short(row: &Row) -> String {
+    if let Mode::Adaptive(count, least) = row.mode {
+        return format!("{count}, {least}");
+    }
     let name = row.mode.to_string();
     name.rsplit(' ').next().unwrap_or(&name).into()
 }

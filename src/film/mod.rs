@@ -138,6 +138,18 @@ impl Film {
         }
     }
 
+    /// Forgets which pixels were NaN, because all of them are written again.
+    pub fn forget_nan(&mut self) {
+        self.nan_count = AtomicU64::new(0);
+        self.nan_first = AtomicU64::new(u64::MAX);
+    }
+
+    /// Takes over that pixels were NaN in a film that this one was made from: at least as many are told here from now on.
+    pub fn inherit_nan(&self, other: &Film) {
+        self.nan_count.fetch_max(other.nan_count.load(Ordering::Relaxed), Ordering::Relaxed);
+        self.nan_first.fetch_min(other.nan_first.load(Ordering::Relaxed), Ordering::Relaxed);
+    }
+
     /// The pixels that were NaN or infinite when they were written; `None` if all is well.
     pub fn nan(&self) -> Option<NanPixels> {
         let count = self.nan_count.load(Ordering::Relaxed);
@@ -238,6 +250,25 @@ mod tests {
             assert_eq!(film.row(0).nth(x as usize), Some([0.0; 3]));
         }
         assert_eq!(film.nan(), Some(NanPixels { count: 4, x: 0, y: 0 }));
+    }
+
+    #[test]
+    fn nan_is_forgotten_with_its_image_and_told_of_the_next_one_made_from_it() {
+        let (mut film, next) = (Film::new(4, 4), Film::new(4, 4));
+        let at = |x, y| Tile { x, y, width: 1, height: 1 };
+        film.write_tile(at(2, 1), &[f32::NAN], &[1.0], &[1.0]);
+        next.inherit_nan(&film);
+        assert_eq!(next.nan(), Some(NanPixels { count: 1, x: 2, y: 1 }));
+        // The same pixel again, and one more before it.
+        next.write_tile(at(2, 1), &[f32::NAN], &[1.0], &[1.0]);
+        next.write_tile(at(3, 0), &[f32::NAN], &[1.0], &[1.0]);
+        next.inherit_nan(&film);
+        assert_eq!(next.nan(), Some(NanPixels { count: 3, x: 3, y: 0 }));
+        film.forget_nan();
+        assert_eq!(film.nan(), None);
+        film.inherit_nan(&next);
+        film.inherit_nan(&Film::new(4, 4));
+        assert_eq!(film.nan(), next.nan());
     }
 
     #[test]

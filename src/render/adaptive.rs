@@ -49,6 +49,11 @@ impl Known {
         Known { corners, least, refined }
     }
 
+    /// The film of the corners, which nobody needs any more.
+    pub(super) fn end(self) -> Film {
+        self.corners
+    }
+
     fn index(&self, [x, y]: [u32; 2]) -> usize {
         y as usize * self.corners.width() as usize + x as usize
     }
@@ -189,12 +194,12 @@ impl RenderTask<'_> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::tile::{Order, tiles};
 
-    /// Straight from the definition.
-    fn differing([centres, corners]: [&Film; 2], least: f32) -> Vec<[u32; 2]> {
+    /// Straight from the definition: centres, and corners.
+    pub(in crate::render) fn differing([centres, corners]: [&Film; 2], least: f32) -> Vec<[u32; 2]> {
         let (width, height) = (centres.width() as i32, centres.height() as i32);
         let of = |film: &Film, [x, y]: [i32; 2]| {
             let inside = (0..width).contains(&x) && (0..height).contains(&y);

@@ -167,13 +167,12 @@ impl<'a> Follow<'a> {
         let shots = std::mem::take(&mut scratch.shots);
         let corners = shots.chunks(TILE_RAYS).map(|packet| packet[0].pixel);
         let mut places = [[0.0; TILE_RAYS]; 2];
-        task.see_with(corners, scratch, meter, true, |index, packets| {
+        task.see_with(corners, scratch, meter, true, |index, _, packets| {
             let mut wanted = [0; SUBS];
             for (ray, shot) in shots[index * TILE_RAYS..][..TILE_RAYS].iter().enumerate() {
                 wanted[ray / SUB] |= u16::from(shot.wanted) << (ray % SUB);
                 // From the image's first pixel on: rounded alike in every packet, so that the image has one hash.
-                let at = self.place(shot, samples);
-                (places[0][ray], places[1][ray]) = (at[0], at[1]);
+                [places[0][ray], places[1][ray]] = self.place(shot, samples);
             }
             camera.jittered_rays(kernels, [0; 2], wanted, &places, packets)
         });

@@ -228,14 +228,16 @@ impl Session<'_, '_> {
         let (_, stats, mut sum) = corners?;
         let corners = self.next_film();
         let (_, more, rest) = self.pass(Pass::Once, schedule, tiles, control, watch)?;
+        self.film.inherit_nan(&corners);
         sum.add(&rest);
         let mut stats = stats.followed_by(more);
         let mut known = Known::new(corners, least);
         for _ in 0..REFINEMENTS {
             let refining = Pass::Refine(Box::new(Refining::new(self.next_film(), known)));
             let (refining, more, rest) = self.pass(refining, schedule, tiles, control, watch)?;
-            let Pass::Refine(refining) = refining else { break };
+            let Pass::Refine(refining) = refining else { return Ok((stats, sum)) };
             let (before, now) = refining.end();
+            self.film.inherit_nan(&before);
             self.spare.push(before);
             known = now;
             sum.add(&rest);
@@ -244,6 +246,7 @@ impl Session<'_, '_> {
                 break;
             }
         }
+        self.spare.push(known.end());
         Ok((stats, sum))
     }
 
@@ -264,7 +267,8 @@ impl Session<'_, '_> {
         watch: &mut dyn FnMut(Tile, &Film),
     ) -> Result<(Pass, FrameStats, TileReport)> {
         let (width, height) = (self.film.width(), self.film.height());
-        let film = std::mem::replace(&mut self.film, Film::new(0, 0));
+        let mut film = std::mem::replace(&mut self.film, Film::new(0, 0));
+        film.forget_nan();
         let frame = Frame { camera: self.camera, film, mode: schedule.film, pass };
         let mut sum = TileReport::default();
         let collect = |frame: &Frame, tile, report: &mut TileReport| {
@@ -302,8 +306,8 @@ impl Session<'_, '_> {
         self.master.employ(workers);
     }
 
-    /// Renders the image `frames` times, all samples of every pixel, with up to `in_flight` frames at once. Each has a film of its own, kept until the
-    /// next stream; those of the longest stream so far are made once.
+    /// Renders the image `frames` times, with all samples of every pixel, and up to `in_flight` frames at once. Each has a
+    /// film of its own, kept until the next stream; those of the longest stream so far are made once.
     ///
     /// # Errors
     /// As [`Master::run_stream`]; the films are gone then.
@@ -377,5 +381,76 @@ impl Source<RenderTask<'_>> for Again {
 
     fn done(&mut self, frame: Frame) {
         self.films.push(frame.film);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::adaptive::tests::differing;
+    use super::*;
+    use crate::{
+        kernels::Visibility,
+        schedule::{Machine, Strategy},
+        tile::Order,
+        trace::{EarlyTermination, KernelChoice},
+    };
+    use std::collections::BTreeSet;
+
+    const LEAST: f32 = 0.2;
+
+    fn scene(samples: u32, adaptive: Option<f32>) -> Scene {
+        let mut scene = crate::scene::load("atrium@0.1").unwrap();
+        (scene.settings.samples, scene.settings.adaptive) = (samples, adaptive);
+        scene
+    }
+
+    /// The image of a frame, seen through corners instead of centres if so.
+    fn film(scene: &Scene, of_corners: bool) -> Film {
+        let options = RenderOptions {
+            isa: None,
+            kernel: KernelChoice::Tile,
+            visibility: Visibility::Exact,
+            threads: Some(1),
+            pin: false,
+            order: Order::Hilbert,
+            schedule: Schedule { strategy: Strategy::Stealing, film: FilmMode::Shared },
+            tile: 32,
+            size: [97, 61],
+            frames: 1,
+            build: BuildPreset::Fast,
+            seed: 0,
+            early: EarlyTermination::FASTEST,
+            effects: EffectChoice::Auto,
+        };
+        let stage = Stage::new(scene, &options).unwrap();
+        let placement = Placement::new(Machine::get(), Some(1), false);
+        let render = |session: &mut Session| {
+            if of_corners {
+                session.camera = session.camera.of_corners();
+            }
+            session.frame(options.schedule, &stage.tiles(32), &Control::unattended())?;
+            Ok(session.take_film())
+        };
+        stage.with_session(&placement, render).unwrap()
+    }
+
+    #[test]
+    fn an_adaptive_image_is_what_its_definition_says_pass_by_pass() {
+        let (one, corners) = (film(&scene(1, None), false), film(&scene(1, None), true));
+        let (all, adaptive) = (film(&scene(6, None), false), film(&scene(6, Some(LEAST)), false));
+        let (expected, mut refined, mut passes) = (one, BTreeSet::new(), vec![]);
+        for _ in 0..REFINEMENTS {
+            let more: Vec<_> = differing([&expected, &corners], LEAST)
+                .into_iter()
+                .filter(|&[x, y]| refined.insert([x, y]))
+                .collect();
+            for &[x, y] in &more {
+                let [r, g, b] = all.row(y).nth(x as usize).unwrap();
+                expected.write_tile(Tile { x, y, width: 1, height: 1 }, &[r], &[g], &[b]);
+            }
+            passes.push(more.len());
+        }
+        assert!(passes[0] > 300 && passes[1] > 10 && refined.len() < 97 * 61 * 3 / 4, "{passes:?}");
+        assert_eq!(adaptive.sha256(), expected.sha256(), "{passes:?}");
     }
 }

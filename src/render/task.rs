@@ -220,32 +220,30 @@ impl RenderTask<'_> {
 
     /// Primary rays: fills the surfaces of the tile, packet by packet of 16x16 pixels.
     fn see(&self, camera: &Camera, tile: Tile, scratch: &mut Scratch, meter: &mut Meter) {
-        let mut corners = packet_corners(tile);
-        let at = packet_corners(tile).map(|[x, y]| [tile.x + x, tile.y + y]);
-        self.see_with(at, scratch, meter, false, |_, packets| {
-            let [x, y] = corners.next().unwrap_or_default();
-            let inside = [tile.width - x, tile.height - y];
-            camera.rays(self.traversal.kernels(), [tile.x + x, tile.y + y], inside, packets)
+        let places = packet_corners(tile).map(|[x, y]| [tile.x + x, tile.y + y]);
+        self.see_with(places, scratch, meter, false, |_, at, packets| {
+            let inside = [tile.x + tile.width - at[0], tile.y + tile.height - at[1]];
+            camera.rays(self.traversal.kernels(), at, inside, packets)
         });
         meter.rays.primary += tile.len() as u64;
     }
 
-    /// The same for any packets: `rays` makes those of a packet, given its number; `places` are pixels near them. To be
-    /// followed, the hits have to be kept.
+    /// The same for any packets: `rays` makes those of a packet, given its number and the pixel of `places` that is near
+    /// them. To be followed, the hits have to be kept.
     pub(super) fn see_with(
         &self,
         places: impl Iterator<Item = [u32; 2]> + Clone,
         scratch: &mut Scratch,
         meter: &mut Meter,
         keep: bool,
-        mut rays: impl FnMut(usize, &mut [TilePacket; 6]) -> usize,
+        mut rays: impl FnMut(usize, [u32; 2], &mut [TilePacket; 6]) -> usize,
     ) {
         let Scratch { packets, hits, tile_scratch, hit_last, surfaces, path, .. } = scratch;
         let EarlyTermination { pet_bound: bound, pet_seed, area, .. } = self.early;
         tile_scratch.set_early(TileEarly { bound, ..TileEarly::ALL });
         surfaces.reset(places.clone().count(), self.scene.background.to_array());
         for (index, at) in places.enumerate() {
-            let used = rays(index, packets);
+            let used = rays(index, at, packets);
             for packet in &packets[..used] {
                 meter.shade();
                 if pet_seed {

@@ -1,7 +1,10 @@
 //! Curves over two logarithmic axes, as SVG.
 
-use super::{number::significant, plot::COLORS};
-use crate::error::{Error, Result};
+use super::{
+    number::significant,
+    plot::{Area, COLORS, svg},
+};
+use crate::error::Result;
 use plotters::prelude::*;
 
 /// Points with names.
@@ -38,18 +41,12 @@ impl Curves {
     /// # Errors
     /// [`Error::Failed`] if it cannot be drawn.
     pub fn to_svg(&self) -> Result<String> {
-        let mut svg = String::new();
-        match self.draw(SVGBackend::with_string(&mut svg, SIZE)) {
-            Ok(()) => Ok(svg),
-            Err(error) => Err(Error::Failed(format!("{}: the plot cannot be drawn ({error})", self.title))),
-        }
+        svg(&self.title, SIZE, |area| self.draw(area))
     }
 
-    fn draw(&self, backend: SVGBackend) -> std::result::Result<(), Box<dyn std::error::Error + '_>> {
-        let area = backend.into_drawing_area();
-        area.fill(&WHITE)?;
+    fn draw(&self, area: &Area) -> std::result::Result<(), Box<dyn std::error::Error>> {
         let [x, y] = self.ranges();
-        let mut chart = ChartBuilder::on(&area)
+        let mut chart = ChartBuilder::on(area)
             .caption(&self.title, ("sans-serif", 20))
             .margin(12)
             .x_label_area_size(44)
@@ -92,7 +89,6 @@ impl Curves {
             .background_style(WHITE.mix(0.85))
             .border_style(BLACK.mix(0.3))
             .draw()?;
-        area.present()?;
         Ok(())
     }
 
@@ -142,6 +138,7 @@ mod tests {
             assert!(svg.contains(word), "{word} in {svg}");
         }
         assert_eq!(svg.matches("<circle").count(), 4);
+        assert_eq!([logarithm(100.0, -3.0), logarithm(0.0, -3.0), logarithm(1e-9, -3.0)], [2.0, -3.0, -3.0]);
         let nothing = Curves { curves: vec![], level: None, ..plot };
         assert!(nothing.to_svg().unwrap().contains("Error"));
     }

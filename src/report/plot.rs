@@ -42,24 +42,42 @@ pub(super) const COLORS: [RGBColor; 8] = [
     RGBColor(150, 150, 0),
 ];
 
+/// Where a plot is drawn.
+pub(super) type Area<'s> = DrawingArea<SVGBackend<'s>, plotters::coord::Shift>;
+
+/// A white picture of so many pixels, with what `draw` draws.
+///
+/// # Errors
+/// [`Error::Failed`] if it cannot be drawn.
+pub(super) fn svg(
+    title: &str,
+    size: (u32, u32),
+    draw: impl FnOnce(&Area) -> std::result::Result<(), Box<dyn std::error::Error>>,
+) -> Result<String> {
+    let mut svg = String::new();
+    let failed =
+        |error: &dyn std::fmt::Display| Error::Failed(format!("{title}: the plot cannot be drawn ({error})"));
+    {
+        let area = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+        area.fill(&WHITE).map_err(|error| failed(&error))?;
+        draw(&area).map_err(|error| failed(&error))?;
+        area.present().map_err(|error| failed(&error))?;
+    }
+    Ok(svg)
+}
+
 impl Plot {
     /// The plot as SVG.
     ///
     /// # Errors
     /// [`Error::Failed`] if it cannot be drawn.
     pub fn to_svg(&self) -> Result<String> {
-        let mut svg = String::new();
-        match self.draw(SVGBackend::with_string(&mut svg, SIZE)) {
-            Ok(()) => Ok(svg),
-            Err(error) => Err(Error::Failed(format!("{}: the plot cannot be drawn ({error})", self.title))),
-        }
+        svg(&self.title, SIZE, |area| self.draw(area))
     }
 
-    fn draw(&self, backend: SVGBackend) -> std::result::Result<(), Box<dyn std::error::Error + '_>> {
-        let area = backend.into_drawing_area();
-        area.fill(&WHITE)?;
+    fn draw(&self, area: &Area) -> std::result::Result<(), Box<dyn std::error::Error>> {
         let [x, y] = self.ranges();
-        let mut chart = ChartBuilder::on(&area)
+        let mut chart = ChartBuilder::on(area)
             .caption(&self.title, ("sans-serif", 20))
             .margin(12)
             .x_label_area_size(44)
@@ -83,7 +101,6 @@ impl Plot {
             .background_style(WHITE.mix(0.85))
             .border_style(BLACK.mix(0.3))
             .draw()?;
-        area.present()?;
         Ok(())
     }
 

@@ -94,6 +94,17 @@ fn the_image_depends_on_nothing_but_scene_camera_and_size() {
 }
 
 #[test]
+fn adaptive_samples_are_fewer_and_the_pixels_without_edges_have_one() {
+    let primary = |flags: &str| rendered(flags)["frames"][0]["rays"]["primary"].as_u64().unwrap();
+    let pixels = 70 * 50;
+    assert_eq!(primary("--samples 8"), 8 * pixels);
+    // Two to find the edges, then eight for some.
+    let adaptive = primary("--samples 8 --adaptive 0.3");
+    assert!(adaptive > 2 * pixels && adaptive < 8 * pixels, "{adaptive}");
+    assert_eq!(primary("--adaptive 0.3"), pixels, "of one sample there are no fewer");
+}
+
+#[test]
 fn json_goes_to_a_file_or_to_standard_output_with_the_summary_aside() {
     let folder = Folder::new();
     folder.run("render --size 16x16 -o a.png --export-json a.json");
@@ -142,6 +153,8 @@ fn each_bad_flag_is_answered_with_one_sentence_that_names_it() {
         ("--kernel best", "--kernel"),
         ("--build best", "--build"),
         ("--seed -1", "--seed"),
+        ("--adaptive 0", "--adaptive"),
+        ("--adaptive 2", "--adaptive"),
         ("--nonsense", "--nonsense"),
         ("--output", "--output"),
         ("-q -v", "--quiet"),

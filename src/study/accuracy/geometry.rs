@@ -243,6 +243,10 @@ mod tests {
         let injected = view.judge(&hits, &scene);
         assert_eq!((injected.errors, injected.nan, injected.ties), (2, 1, clean.ties), "{injected:?}");
         assert!((injected.depth_max.unwrap() - 800.0).abs() < 2.0, "{injected:?}");
+        // A hit where nothing is.
+        let sky = hits.iter().zip(&view.hits).position(|(hit, right)| hit.prim == MISS && right.is_none());
+        hits[sky.expect("the atrium is open above")].prim = 0;
+        assert_eq!(view.judge(&hits, &scene).errors, 3);
     }
 
     #[test]

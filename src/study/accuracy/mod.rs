@@ -191,7 +191,8 @@ pub fn accuracy(
 /// The scene that sampling should converge to: many samples, nothing cut off.
 fn converged_scene(scene: &Scene, samples: u32) -> Scene {
     let max_depth = scene.settings.max_depth.saturating_mul(2);
-    let settings = RenderSettings { samples, max_depth, cutoff: 0.0, ..scene.settings.clone() };
+    let settings =
+        RenderSettings { samples, adaptive: None, max_depth, cutoff: 0.0, ..scene.settings.clone() };
     Scene { settings, ..scene.clone() }
 }
 

@@ -368,6 +368,21 @@ mod tests {
     }
 
     #[test]
+    fn samples_are_for_all_pixels_unless_they_are_adaptive() {
+        let mut scene = crate::scene::load("atrium@0.1").unwrap();
+        let of = |mode: Mode, scene: &Scene| {
+            let settings = mode.scene(scene).settings.clone();
+            (settings.samples, settings.adaptive)
+        };
+        assert_eq!(of(Mode::Adaptive(20, 0.25), &scene), (20, Some(0.25)));
+        scene.settings.adaptive = Some(0.5);
+        assert_eq!(of(Mode::Samples(4), &scene), (4, None));
+        assert_eq!(of(Mode::Default, &scene), (1, Some(0.5)));
+        assert_eq!(Mode::Adaptive(20, 0.25).flag().as_deref(), Some("--samples 20 --adaptive 0.25"));
+        assert_eq!(super::super::converged_scene(&scene, 128).settings.adaptive, None);
+    }
+
+    #[test]
     fn a_mode_changes_its_knob_alone() {
         let scene = crate::scene::load("gallery@0.2").unwrap();
         let options = super::super::options();

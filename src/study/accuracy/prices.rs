@@ -156,6 +156,8 @@ fn of_view(view: &Scene, bench: &Bench, tell: &dyn Fn(f64)) -> Result<Prices> {
     for [samples, light_samples] in samplings {
         let mut scene = view.clone();
         (scene.settings.samples, scene.settings.light_samples) = (samples, light_samples);
+        // As `Mode::Samples`: other numbers of samples are meant for all pixels.
+        scene.settings.adaptive = view.settings.adaptive.filter(|_| samples == view.settings.samples);
         let (image, times) = measured(bench, &stage, &scene, &bench.options, Mode::Samples(samples))?;
         let (ratio, error) = (times.ratio.high, image.picture.rmse(&right));
         prices.frame = if default.is_none() { times.seconds.high } else { prices.frame };

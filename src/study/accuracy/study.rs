@@ -143,6 +143,8 @@ impl<'a> Study<'a> {
         let settings = &self.scene.settings;
         let share = match mode {
             Mode::Samples(count) => f64::from(count) / f64::from(settings.samples),
+            // About a third of the pixels.
+            Mode::Adaptive(count, _) => 0.3 * f64::from(count) / f64::from(settings.samples),
             Mode::LightSamples(count) => 0.2 + 0.8 * f64::from(count) / f64::from(settings.light_samples),
             _ => 1.0,
         };

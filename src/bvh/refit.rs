@@ -129,3 +129,26 @@ fn of_leaf(block: &TriBlock, lanes: Range<u32>) -> Aabb {
     }
     bounds
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refitted_tree_is_another_tree_whose_children_are_in_order_again() {
+        let mut mesh = crate::scene::load("atrium@0.1").unwrap().mesh;
+        let mut bvh = Bvh::build(&mesh, BuildPreset::Fast).unwrap();
+        let (id, before) = (bvh.id, bvh.nodes.clone());
+        for (i, position) in mesh.positions.iter_mut().enumerate() {
+            // All to the other side, and each a little elsewhere.
+            *position = -*position + Vec3::splat((i % 7) as f32 * 0.1);
+        }
+        bvh.refit(&mesh);
+        assert_ne!(bvh.id, id, "kernels remember corners by the tree");
+        let orders = |nodes: &[Node]| nodes.iter().map(|node| node.order).collect::<Vec<_>>();
+        assert_ne!(orders(&bvh.nodes), orders(&before));
+        let mut sorted = bvh.nodes.clone();
+        sorted.iter_mut().for_each(Node::sort);
+        assert_eq!(orders(&bvh.nodes), orders(&sorted));
+    }
+}

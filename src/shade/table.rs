@@ -95,3 +95,26 @@ impl Facet {
 /// A hit point is a rounded vertex difference, a rounded depth, a product and a sum away from the truth: each at most
 /// 2^-24 of the coordinates involved. Eight of those leave room.
 pub(super) const ROUNDING: f32 = 8.0 / (1 << 24) as f32;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3Swizzles;
+
+    #[test]
+    fn after_a_move_the_table_is_that_of_a_scene_that_always_was_there() {
+        // The statue is smooth.
+        let mut scene = crate::scene::load("statue@0.1").unwrap();
+        let mut table = SurfaceTable::new(&scene);
+        let before = format!("{:?}", table.facets);
+        for (position, normal) in scene.mesh.positions.iter_mut().zip(&mut scene.mesh.normals) {
+            (*position, *normal) = (3.0 * Vec3::new(position.y, -position.x, position.z), -normal.yzx());
+        }
+        table.pose(&scene.mesh);
+        let fresh = SurfaceTable::new(&scene);
+        assert_ne!(format!("{:?}", table.facets), before);
+        assert_eq!(format!("{:?}", table.facets), format!("{:?}", fresh.facets));
+        assert!(table.facets.iter().any(|facet| facet.corner != [facet.ng; 3]), "normals of vertices count");
+        assert_eq!(table.point_error, fresh.point_error);
+    }
+}

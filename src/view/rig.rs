@@ -134,6 +134,17 @@ mod tests {
     }
 
     #[test]
+    fn nobody_turns_over_backwards() {
+        for (up, pole) in [(2.5, Vec3::Y), (-2.5, -Vec3::Y)] {
+            let mut fly = rig(RigMode::Fly);
+            fly.turn(0.0, up);
+            let ahead = fly.camera.at - fly.camera.eye;
+            assert!((ahead.angle_between(pole) - POLE).abs() < 1e-3, "{ahead}");
+            assert!(ahead.z < 0.0, "still the way it looked: {ahead}");
+        }
+    }
+
+    #[test]
     fn a_rig_travels_along_its_own_axes() {
         let mut fly = rig(RigMode::Fly);
         fly.travel(1.0, 2.0, 3.0);

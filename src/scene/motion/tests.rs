@@ -43,6 +43,7 @@ fn shapes_follow_each_other_in_straight_lines() {
     let halfway = Vec3::new(0.5f32.sqrt(), 0.0, 0.5f32.sqrt());
     for (time, place, normal) in [
         (0.0, Vec3::X, Vec3::Z),
+        (0.125, 1.5 * Vec3::X, Vec3::new(1.0, 0.0, 3.0).normalize()),
         (0.25, 2.0 * Vec3::X, halfway),
         (0.5, 3.0 * Vec3::X, Vec3::X),
         (0.75, Vec3::new(1.5, 0.5, 0.0), Vec3::ZERO),
@@ -64,10 +65,12 @@ fn shapes_follow_each_other_in_straight_lines() {
 fn keys_turn_along_the_shorter_way_and_then_move() {
     let keys = [key(1.0, DMat3::IDENTITY, DVec3::ZERO), key(3.0, ABOUT_Z, 2.0 * DVec3::Z)];
     let mut scene = scene(&[shape(Vec3::X, Vec3::X)], 24.0, &keys);
-    let eighth = Vec3::new(0.5f32.sqrt(), 0.5f32.sqrt(), 0.0);
+    let turned = |degrees: f32| Vec3::new(degrees.to_radians().cos(), degrees.to_radians().sin(), 0.0);
+    let (quarter, eighth) = (turned(22.5), turned(45.0));
     for (time, place, normal) in [
         (0.0, Vec3::X, Vec3::X),
         (1.0, Vec3::X, Vec3::X),
+        (1.5, quarter + 0.5 * Vec3::Z, quarter),
         (2.0, eighth + Vec3::Z, eighth),
         (3.0, Vec3::new(0.0, 1.0, 2.0), Vec3::Y),
         (9.0, Vec3::new(0.0, 1.0, 2.0), Vec3::Y),
@@ -75,10 +78,25 @@ fn keys_turn_along_the_shorter_way_and_then_move() {
         let (found, lit) = at(&mut scene, time);
         assert!(found.distance(place) < 1e-6 && lit.distance(normal) < 1e-6, "at {time}: {found} {lit}");
         // At a key, and wherever nothing turns, walls stay exactly upright.
-        assert!(time == 2.0 || found == place, "at {time}: {found}");
+        assert!(time == 1.5 || time == 2.0 || found == place, "at {time}: {found}");
     }
     let motion = scene.motion.unwrap();
     assert_eq!((motion.length(), motion.rate()), (3.0, DEFAULT_RATE));
+}
+
+#[test]
+fn a_moment_of_a_file_is_that_file_bit_by_bit() {
+    // Sums of thirds, and what 1 / 24 is not exactly.
+    let shapes: Vec<Shape> =
+        (0..200).map(|i| shape(Vec3::splat((i * i) as f32 / 3.0), Vec3::new(0.6, 0.8, 0.0))).collect();
+    let mut scene = scene(&shapes, 24.0, &[]);
+    let inexact = (0..200).filter(|&i| (f64::from(i) / 24.0) * 24.0 != f64::from(i)).count();
+    assert!(inexact > 0);
+    let moments = scene.motion.as_ref().unwrap().moments(24.0);
+    assert_eq!(moments.len(), 200);
+    for (time, shape) in moments.into_iter().zip(&shapes) {
+        assert_eq!(at(&mut scene, time), (shape.positions[0], shape.normals[0]), "at {time}");
+    }
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use crate::support::RENDER;
 use irt::{
     bvh::BuildPreset,
+    film::Film,
     kernels::Isa,
     render::{RenderOptions, render},
     scene::{DepthOfField, Scene, procedural},
@@ -63,6 +64,52 @@ fn threads_order_tile_size_and_tree_do_not_change_the_image() {
 }
 
 #[test]
+fn nothing_is_traced_beside_the_tiles() {
+    let scene = scene("atrium");
+    let rays = |tile| {
+        let options = RenderOptions { tile, ..RENDER };
+        render(&scene, &options, &Control::unattended()).expect("renders").frames[0].rays
+    };
+    let want = rays(64);
+    for tile in [1, 7, 33, 1024] {
+        assert_eq!(rays(tile), want, "tiles of {tile}");
+    }
+}
+
+/// Of `of`, in blocks of 4x4 pixels from column and row `first` on: as many as `size`.
+fn boxes(of: &Film, [width, height]: [u32; 2], first: u32) -> Vec<[f32; 3]> {
+    let pixels: Vec<[f32; 3]> = of.pixels().collect();
+    let at = |x: u32, y: u32| pixels[(y.min(of.height() - 1) * of.width() + x.min(of.width() - 1)) as usize];
+    let mean = |i: u32| {
+        let (x, y) = (i % width * 4 + first, i / width * 4 + first);
+        let all = (0..16).map(|j| at(x + j % 4, y + j / 4));
+        all.fold([0.0; 3], |sum, pixel| [0, 1, 2].map(|k| sum[k] + pixel[k] / 16.0))
+    };
+    (0..width * height).map(mean).collect()
+}
+
+#[test]
+fn the_samples_of_a_pixel_are_spread_around_its_centre() {
+    let mut scene = scene("atrium");
+    let size = [60, 40];
+    let image = |scene: &Scene, size| {
+        let options = RenderOptions { size, ..RENDER };
+        render(scene, &options, &Control::unattended()).expect("renders").film
+    };
+    let fine = image(&scene, size.map(|side| 4 * side));
+    scene.settings.samples = 64;
+    let film = image(&scene, size);
+    let distance = |other: Vec<[f32; 3]>| {
+        let squares =
+            film.pixels().zip(other).map(|(a, b)| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f32>());
+        (squares.sum::<f32>() / (3.0 * 60.0 * 40.0)).sqrt()
+    };
+    // Half a pixel elsewhere is two of the fine ones.
+    let (here, beside) = (distance(boxes(&fine, size, 0)), distance(boxes(&fine, size, 2)));
+    assert!(here < 0.3 * beside, "{here}, {beside} half a pixel away");
+}
+
+#[test]
 fn tiles_do_not_change_an_image_of_several_samples_nor_one_through_a_lens() {
     let mut scene = scene("gallery");
     scene.settings.samples = 3;
@@ -70,7 +117,8 @@ fn tiles_do_not_change_an_image_of_several_samples_nor_one_through_a_lens() {
         scene.settings.depth_of_field = lens;
         let image = |tile| {
             let options = RenderOptions { tile, ..RENDER };
-            render(&scene, &options, &Control::unattended()).expect("renders").film.sha256()
+            let rendered = render(&scene, &options, &Control::unattended()).expect("renders");
+            (rendered.film.sha256(), rendered.frames[0].rays)
         };
         let want = image(64);
         for tile in [7, 33, 48] {

@@ -75,6 +75,18 @@ fn where_the_camera_came_to_rest_a_plain_render_gives_the_same_image() {
 }
 
 #[test]
+fn a_held_key_moves_no_farther_than_there_was_time_for() {
+    let scene = scene();
+    let begin = std::time::Instant::now();
+    let played = played(&scene, "0 rest\n0 press d\n0.4 release d\n0.4 rest").unwrap();
+    let passed = begin.elapsed().as_secs_f32();
+    let bounds = scene.mesh.bounds();
+    // A tenth of the diagonal in a second.
+    let way = played.frames.last().unwrap().camera.eye.distance(scene.camera.eye);
+    assert!(way > 0.0 && way <= 0.1 * (bounds.max - bounds.min).length() * passed, "{way} in {passed} s");
+}
+
+#[test]
 fn every_mode_renders_the_same_image_but_fast_visibility_may_not() {
     let scene = scene();
     let mut script = String::from("0 rest\n");

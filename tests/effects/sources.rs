@@ -96,6 +96,10 @@ fn emitting_triangles_light_like_a_rectangle() {
     scene.settings.emitters = true;
     let want = 0.5 * 2.0 * over_origin([-1.0, 1.0], [0.2, 1.2], 1.5);
     close(radiance(&scene, EYE, Vec3::ZERO).x, want, 0.01, "triangles");
+    // As many samples of the pixel with one of the light each are spread over it just so.
+    (scene.settings.samples, scene.settings.light_samples) = (1024, 1);
+    close(radiance(&scene, EYE, Vec3::ZERO).x, want, 0.01, "triangles, by samples of the pixel");
+    (scene.settings.samples, scene.settings.light_samples) = (1, 1024);
     assert_eq!(radiance(&scene, EYE, Vec3::new(0.0, 1.5, 0.6)), Vec3::splat(2.0), "and is seen");
 }
 

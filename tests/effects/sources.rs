@@ -2,7 +2,7 @@
 
 use super::{close, floor, matt, radiance, rectangle, scene};
 use glam::Vec3;
-use irt::scene::{AreaLight, Environment, Falloff, Light, Scene};
+use irt::scene::{AreaLight, Environment, Falloff, Light, Scene, Sky, SkyMap};
 use std::f64::consts::PI;
 
 /// Share of the hemisphere, weighted by the cosine, that a rectangle a x b takes up at height h over a point of a parallel
@@ -152,4 +152,37 @@ fn the_furnace_shows_the_albedo() {
     let got = radiance(&hole, Vec3::new(0.1, 2.0, 0.2), Vec3::new(0.2, -1.0, 0.3)).x;
     // Three standard errors of that many paths.
     close(got, 1.0, 0.05, "a hole in a furnace");
+}
+
+#[test]
+fn a_small_sun_in_the_picture_of_the_sky_lights_as_its_integral() {
+    // Sky of 0.5 with one pixel of a sun in the fifth of 32 rows.
+    let (size, row, column, sun) = ([64, 32], 5, 40, 2000.0f32);
+    let mut pixels = vec![[0.5, 0.5, 0.0]; 64 * 32];
+    pixels[row * 64 + column] = [sun, 0.0, 0.0];
+    let map = SkyMap { size, pixels, rotation: 0.7, strength: 2.0 };
+    // The picture is linear between the centres of pixels: a pyramid of two pixels' width, a cosine and a solid angle.
+    let (cell, n) = (PI / 32.0, 400);
+    let mut light = 0.0;
+    for step in 0..2 * n {
+        let off = (f64::from(step) + 0.5) / f64::from(n) - 1.0;
+        let theta = (row as f64 + 0.5 + off) * cell;
+        light += (1.0 - off.abs()) * theta.cos() * theta.sin() * cell * cell / f64::from(n);
+    }
+    let want = 2.0 * (0.5 + f64::from(sun - 0.5) * light / PI);
+    let mut scene = scene(&floor(), matt(0.5));
+    scene.environment = Environment { sky: Sky::Map(map), light: true };
+    for (samples, light_samples, tolerance) in [(1, 4096, 0.005), (1024, 1, 0.02), (1, 64, 0.1)] {
+        (scene.settings.samples, scene.settings.light_samples) = (samples, light_samples);
+        let got = radiance(&scene, EYE, Vec3::ZERO);
+        close(got.x, 0.5 * want, tolerance, "sun and sky");
+        close(got.y, 0.5 * 2.0 * 0.5, tolerance + 0.02, "the sky, with less light where the sun is");
+        assert_eq!(got.z, 0.0);
+    }
+    // A wall hides the sun, and no more than that.
+    let mut triangles = floor();
+    triangles.extend(rectangle(Vec3::new(-20.0, 0.01, -20.0), 40.0 * Vec3::X, 40.0 * Vec3::Z));
+    scene.mesh = super::scene(&triangles, matt(0.5)).mesh;
+    let hidden = radiance(&scene, Vec3::new(0.0, 0.005, 0.001), Vec3::ZERO);
+    assert_eq!(hidden, Vec3::ZERO, "between two floors it is dark");
 }

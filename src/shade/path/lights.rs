@@ -2,6 +2,7 @@
 
 use super::{
     Integrator, PathScratch, Sample,
+    bright::Aim,
     random::{Purpose, Samples, mix},
     sky,
     source::{Around, Arrive, Chosen, Connect, Source},
@@ -115,12 +116,22 @@ impl Integrator<'_> {
         let PathScratch { ground, squares, blocks, arriving, .. } = &mut **scratch;
         blocks.resize(surfaces.len() / SUB, RayBlock::EMPTY);
         let kernels = self.traversal.kernels();
-        kernels.run(Around { surfaces, ground, squares, reach: f32::INFINITY, blocks });
+        let bright = self.paths.bright.as_ref();
+        if let Some(bright) = bright {
+            kernels.run(Aim { surfaces, ground, squares, bright, blocks });
+        } else {
+            kernels.run(Around { surfaces, ground, squares, reach: f32::INFINITY, blocks });
+        }
         arriving.iter_mut().for_each(|plane| plane.resize(surfaces.len(), 0.0));
         let share = 1.0 / count as f32;
         for (index, block) in blocks.iter().enumerate() {
             for lane in (0..SUB).filter(|lane| block.active >> lane & 1 != 0) {
-                let radiance = share * sky::radiance(self.paths.scene, Vec3::from(block.ray(lane).dir));
+                let dir = Vec3::from(block.ray(lane).dir);
+                let mut radiance = share * sky::radiance(self.paths.scene, dir);
+                if let Some(bright) = bright {
+                    let normal = Vec3::from([0, 1, 2].map(|k| surfaces.ns[k][index * SUB + lane]));
+                    radiance *= bright.weight(dir, normal);
+                }
                 for k in 0..3 {
                     arriving[k][index * SUB + lane] = radiance[k];
                 }

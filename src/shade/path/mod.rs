@@ -14,6 +14,7 @@
 //! What an effect needs per ray is compiled in or left out: see [`Variant`].
 
 mod ambient;
+mod bright;
 mod filter;
 mod ground;
 mod lights;

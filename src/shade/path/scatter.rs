@@ -244,7 +244,8 @@ impl Kernel for Bounce<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
         for at in (0..self.surfaces.len()).step_by(SUB) {
-            let dir = cosine_weighted(s, self.surfaces, self.squares, at);
+            let square = [F32::load_at(s, &self.squares[0], at), F32::load_at(s, &self.squares[1], at)];
+            let dir = cosine_weighted(s, self.surfaces, square, at);
             // Below the triangle there is nothing: no ray.
             let up = F32::splat(s, 0.0).lt(wide::dot(dir, load3(s, &self.surfaces.ng, at)));
             store3(wide::select(up, dir, [F32::splat(s, 0.0); 3]), self.dir, at);

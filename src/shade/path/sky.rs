@@ -2,6 +2,7 @@
 
 use crate::scene::{Scene, Sky, SkyMap};
 use glam::Vec3;
+use std::f32::consts::TAU;
 
 /// Radiance that comes from the direction of the unit vector `dir`, which rays travel along.
 pub(super) fn radiance(scene: &Scene, dir: Vec3) -> Vec3 {
@@ -16,13 +17,11 @@ pub(super) fn radiance(scene: &Scene, dir: Vec3) -> Vec3 {
 }
 
 /// Bilinear; round the seam at -z, and up to the poles.
-fn look_up(map: &SkyMap, dir: Vec3) -> Vec3 {
+pub(super) fn look_up(map: &SkyMap, dir: Vec3) -> Vec3 {
     let [width, height] = map.size.map(|side| side as usize);
-    let turn = turns(dir.z, dir.x) - map.rotation / std::f32::consts::TAU;
-    let u = turn + 0.5;
-    let v = 2.0 * turns(dir.y, (dir.x * dir.x + dir.z * dir.z).sqrt());
-    let x = (u - u.floor()) * width as f32 - 0.5;
-    let y = (v * height as f32 - 0.5).clamp(0.0, height as f32 - 1.0);
+    let [x, y] = place(map, dir);
+    let x = x - 0.5;
+    let y = (y - 0.5).clamp(0.0, height as f32 - 1.0);
     let (x0, y0) = (x.floor(), y as usize);
     let (fx, fy) = (x - x0, y - y0 as f32);
     let column = |i: isize| i.rem_euclid(width as isize) as usize;
@@ -31,6 +30,20 @@ fn look_up(map: &SkyMap, dir: Vec3) -> Vec3 {
     let pixel = |x: usize, y: usize| Vec3::from(map.pixels[y * width + x]);
     let row = |y: usize| pixel(x0, y) + (pixel(x1, y) - pixel(x0, y)) * fx;
     map.strength * (row(y0) + (row(y1) - row(y0)) * fy)
+}
+
+/// Where the unit vector `dir` lies in the image, in pixels from the upper left corner.
+pub(super) fn place(map: &SkyMap, dir: Vec3) -> [f32; 2] {
+    let u = turns(dir.z, dir.x) - map.rotation / TAU + 0.5;
+    let v = 2.0 * turns(dir.y, (dir.x * dir.x + dir.z * dir.z).sqrt());
+    [(u - u.floor()) * map.size[0] as f32, v * map.size[1] as f32]
+}
+
+/// The turn from +z towards +x, in [0, 1), of what is `x` pixels from the left edge.
+pub(super) fn turn_of_column(map: &SkyMap, x: f32) -> f32 {
+    let turn = x / map.size[0] as f32 - 0.5 + map.rotation / TAU;
+    // The difference is 1 if it is less than rounding.
+    (turn - turn.floor()).min(1.0f32.next_down())
 }
 
 /// The angle of (x, y) from +x towards +y in whole turns, in [-1/2, 1/2]; off by less than 2e-6.
@@ -50,7 +63,7 @@ fn turns(x: f32, y: f32) -> f32 {
             .into_iter()
             .fold(0.0, |sum: f32, coefficient: f32| sum * t2 + coefficient);
     let angle = t + t * t2 * (-0.333_331_46 + t2 * series);
-    let eighth = angle / std::f32::consts::TAU;
+    let eighth = angle / TAU;
     let quarter = if ay > ax { 0.25 - eighth } else { eighth };
     let half = if x < 0.0 { 0.5 - quarter } else { quarter };
     if y < 0.0 { -half } else { half }

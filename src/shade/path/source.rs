@@ -188,26 +188,44 @@ impl Kernel for Around<'_> {
         let Around { surfaces, ground, squares, reach, blocks } = self;
         for (index, block) in blocks.iter_mut().enumerate() {
             let at = index * SUB;
-            let hit = lanes_hit(s, surfaces, at);
-            let dir = cosine_weighted(s, surfaces, squares, at);
-            let up = F32::splat(s, 0.0).lt(wide::dot(load3(s, &surfaces.ng, at), dir));
-            block.active = (hit & up).bits() as u16;
-            wide::store(load3(s, &ground.out, at), &mut block.org);
-            wide::store(dir, &mut block.dir);
-            F32::splat(s, 0.0).store(&mut block.tnear);
-            F32::splat(s, reach).store(&mut block.tfar);
-            let skip: I32<S, 16> = wide::lanes(s, &surfaces.prim, at);
-            skip.store(&mut block.skip);
+            let square = [F32::load_at(s, &squares[0], at), F32::load_at(s, &squares[1], at)];
+            let dir = cosine_weighted(s, surfaces, square, at);
+            outward(s, surfaces, ground, at, dir, reach, block);
         }
     }
 }
 
-/// Unit directions about the shading normals with a density of cosine / pi.
+/// Sixteen rays from surfaces, those that would leave to the other side inactive.
 #[inline(always)]
-pub(super) fn cosine_weighted<S: Simd>(s: S, surfaces: &Surfaces, squares: &Squares, at: usize) -> V3<S> {
+pub(super) fn outward<S: Simd>(
+    s: S,
+    surfaces: &Surfaces,
+    ground: &Ground,
+    at: usize,
+    dir: V3<S>,
+    reach: f32,
+    block: &mut RayBlock,
+) {
+    let up = F32::splat(s, 0.0).lt(wide::dot(load3(s, &surfaces.ng, at), dir));
+    block.active = (lanes_hit(s, surfaces, at) & up).bits() as u16;
+    wide::store(load3(s, &ground.out, at), &mut block.org);
+    wide::store(dir, &mut block.dir);
+    F32::splat(s, 0.0).store(&mut block.tnear);
+    F32::splat(s, reach).store(&mut block.tfar);
+    let skip: I32<S, 16> = wide::lanes(s, &surfaces.prim, at);
+    skip.store(&mut block.skip);
+}
+
+/// Unit directions about the shading normals with a density of cosine / pi, by two numbers in [0, 1).
+#[inline(always)]
+pub(super) fn cosine_weighted<S: Simd>(
+    s: S,
+    surfaces: &Surfaces,
+    [u, v]: [F32<S, 16>; 2],
+    at: usize,
+) -> V3<S> {
     let one = F32::<S, 16>::splat(s, 1.0);
-    let u = F32::load_at(s, &squares[0], at);
-    let [sin, cos] = sin_cos(s, F32::load_at(s, &squares[1], at));
+    let [sin, cos] = sin_cos(s, v);
     let radius = u.sqrt();
     wide::about(s, load3(s, &surfaces.ns, at), [radius * cos, radius * sin, (one - u).sqrt()])
 }

@@ -1,8 +1,9 @@
 //! What following light needs to know of triangles and materials beyond [`crate::shade::SurfaceTable`], built once.
 
+use super::bright::Bright;
 use crate::{
     effects::{Effect, EffectSet},
-    scene::{Bump, Material, Scene, TriangleMesh},
+    scene::{Bump, Material, Scene, Sky, TriangleMesh},
 };
 use glam::{Vec2, Vec3};
 
@@ -152,6 +153,8 @@ pub struct PathTable<'a> {
     pub(super) shining: Vec<Shining>,
     /// Sums of the chances of the shining triangles up to and with each.
     pub(super) chances: Vec<f32>,
+    /// Bright places of the sky, if it lights surfaces and has some.
+    pub(super) bright: Option<Bright<'a>>,
     /// Whether shadow rays may go through something.
     pub(super) filters: bool,
 }
@@ -177,6 +180,10 @@ impl<'a> PathTable<'a> {
             set,
             shining,
             chances,
+            bright: match &scene.environment.sky {
+                Sky::Map(map) if set.has(Effect::EnvironmentLight) => Bright::new(map),
+                _ => None,
+            },
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::{close, floor, matt, radiance, rectangle, scene};
 use glam::Vec3;
-use irt::scene::{AreaLight, Environment, Falloff, Light, Scene, Sky, SkyMap};
+use irt::scene::{AreaLight, Environment, Falloff, Light, Material, Scene, Sky, SkyMap};
 use std::f64::consts::PI;
 
 /// Share of the hemisphere, weighted by the cosine, that a rectangle a x b takes up at height h over a point of a parallel
@@ -89,7 +89,7 @@ fn emitting_triangles_light_like_a_rectangle() {
     let mut triangles = floor();
     triangles.extend(rectangle(Vec3::new(-1.0, 1.5, 0.2), 2.0 * Vec3::X, Vec3::Z));
     let mut scene = scene(&triangles, matt(0.5));
-    scene.materials.push(irt::scene::Material { ke: Vec3::splat(2.0), ..matt(0.0) });
+    scene.materials.push(Material { ke: Vec3::splat(2.0), ..matt(0.0) });
     scene.mesh.materials = vec![0, 0, 1, 1];
     scene.settings.light_samples = 1024;
     assert_eq!(radiance(&scene, EYE, Vec3::ZERO), Vec3::ZERO, "only glows unless switched on");
@@ -185,4 +185,15 @@ fn a_small_sun_in_the_picture_of_the_sky_lights_as_its_integral() {
     scene.mesh = super::scene(&triangles, matt(0.5)).mesh;
     let hidden = radiance(&scene, Vec3::new(0.0, 0.005, 0.001), Vec3::ZERO);
     assert_eq!(hidden, Vec3::ZERO, "between two floors it is dark");
+}
+
+#[test]
+fn a_mirror_shows_the_picture_of_the_sky() {
+    // Few rays are mirrored, so that lanes are left over.
+    let mirror = Material { ks: Vec3::splat(0.5), illum: 3, ..matt(0.0) };
+    let mut scene = scene(&floor(), mirror);
+    let map = SkyMap { size: [5, 3], pixels: vec![[0.5, 2.0, 0.25]; 15], rotation: 0.4, strength: 2.0 };
+    scene.environment.sky = Sky::Map(map);
+    let got = radiance(&scene, EYE, Vec3::ZERO);
+    assert!(got.distance(Vec3::new(0.5, 2.0, 0.25)) < 1.0e-6, "{got}");
 }

@@ -7,13 +7,13 @@
 //! share of the light that this is: an even sky is sampled by the cosine alone.
 
 use super::{
-    ground::{Ground, lanes_hit},
+    ground::Ground,
     sky,
     source::{Squares, cosine_weighted, outward},
     wide,
 };
 use crate::{
-    kernels::{F32, Kernel, RayBlock, SUB, Simd},
+    kernels::{F32, Kernel, MISS, RayBlock, SUB, Simd},
     scene::SkyMap,
     shade::{Surfaces, trig::sin_cos},
 };
@@ -69,6 +69,18 @@ impl<'a> Bright<'a> {
             columns,
             edges: (0..=height).map(|row| edge(row) as f32).collect(),
         })
+    }
+
+    /// Replaces pairs of numbers whose first is below the share by places to send rays to: turn and height. Not in the kernel, as
+    /// it searches.
+    pub(super) fn aim(&self, squares: &Squares, surfaces: &Surfaces, places: &mut Squares) {
+        places.iter_mut().for_each(|plane| plane.resize(surfaces.len(), 0.0));
+        for ray in (0..surfaces.len()).filter(|&ray| surfaces.prim[ray] != MISS) {
+            let [u, v] = [squares[0][ray], squares[1][ray]];
+            if u < self.share {
+                [places[0][ray], places[1][ray]] = self.pick([u / self.share, v]);
+            }
+        }
     }
 
     /// A direction by two numbers in [0, 1): its turn from +z towards +x, in [0, 1), and its height.
@@ -137,7 +149,10 @@ pub(super) struct Aim<'a> {
     pub(super) surfaces: &'a Surfaces,
     pub(super) ground: &'a Ground,
     pub(super) squares: &'a Squares,
-    pub(super) bright: &'a Bright<'a>,
+    /// Share of bright places.
+    pub(super) share: f32,
+    /// See [`Bright::aim`].
+    pub(super) places: &'a Squares,
     pub(super) blocks: &'a mut [RayBlock],
 }
 
@@ -146,21 +161,15 @@ impl Kernel for Aim<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let Aim { surfaces, ground, squares, bright, blocks } = self;
+        let Aim { surfaces, ground, squares, share, places, blocks } = self;
         let (zero, one) = (F32::<S, 16>::splat(s, 0.0), F32::<S, 16>::splat(s, 1.0));
-        let share = F32::splat(s, bright.share);
+        let share = F32::splat(s, share);
         for (index, block) in blocks.iter_mut().enumerate() {
             let at = index * SUB;
-            let hit = lanes_hit(s, surfaces, at);
             let [u, v] = [F32::load_at(s, &squares[0], at), F32::load_at(s, &squares[1], at)];
-            let aimed = u.lt(share) & hit;
-            let mut places = [[0.0; SUB]; 2];
-            for lane in (0..SUB).filter(|lane| aimed.bits() >> lane & 1 != 0) {
-                let square = [squares[0][at + lane] / bright.share, squares[1][at + lane]];
-                [places[0][lane], places[1][lane]] = bright.pick(square);
-            }
-            let [sin, cos] = sin_cos(s, F32::load(s, &places[0]));
-            let height = F32::load(s, &places[1]);
+            let aimed = u.lt(share);
+            let [sin, cos] = sin_cos(s, F32::load_at(s, &places[0], at));
+            let height = F32::load_at(s, &places[1], at);
             let level = (one - height * height).max(zero).sqrt();
             let rest = ((u - share) / (one - share)).max(zero);
             let around = cosine_weighted(s, surfaces, [rest, v], at);

@@ -113,12 +113,13 @@ impl Integrator<'_> {
     fn sky_light(&self, sample: &mut Sample, index: u32, count: u32) {
         self.squares(sample, Purpose::Sky as u32, index, count);
         let Sample { surfaces, scratch, .. } = sample;
-        let PathScratch { ground, squares, blocks, arriving, .. } = &mut **scratch;
+        let PathScratch { ground, squares, places, blocks, arriving, .. } = &mut **scratch;
         blocks.resize(surfaces.len() / SUB, RayBlock::EMPTY);
         let kernels = self.traversal.kernels();
         let bright = self.paths.bright.as_ref();
         if let Some(bright) = bright {
-            kernels.run(Aim { surfaces, ground, squares, bright, blocks });
+            bright.aim(squares, surfaces, places);
+            kernels.run(Aim { surfaces, ground, squares, share: bright.share, places, blocks });
         } else {
             kernels.run(Around { surfaces, ground, squares, reach: f32::INFINITY, blocks });
         }

@@ -77,6 +77,7 @@ pub struct PathScratch {
     hits: Vec<HitBlock>,
     stream: RayStream,
     squares: Squares,
+    places: Squares,
     scattered: Scattered,
     bounced: Planes,
     blocks: Vec<RayBlock>,
@@ -250,9 +251,9 @@ impl Integrator<'_> {
         let len = queue.blocks.len() * SUB;
         std::mem::swap(states, &mut queue.states);
         std::mem::swap(weight, &mut queue.weight);
-        // Lanes without a ray count nothing.
+        // Lanes without a ray count nothing, and see nothing either: they have no direction, and 0 * NaN is NaN.
         if let Some(&last) = states.last() {
-            states.resize(len, last);
+            states.resize(len, State { unlit: true, ..last });
         }
         weight.iter_mut().for_each(|plane| plane.resize(len, 0.0));
         surfaces.reset_len(len, self.paths.scene.background.to_array());

@@ -199,3 +199,50 @@ fn a_sketch_shows_the_same_and_leaves_the_image_for_later() {
         });
     }
 }
+
+#[test]
+fn whatever_stops_its_passes_an_image_becomes_that_of_adaptive_samples() {
+    let mut adaptive = scene();
+    let whole = render(&adaptive, &RENDER, &Control::unattended()).unwrap().film.sha256();
+    let scene = adaptive.clone();
+    (adaptive.settings.samples, adaptive.settings.adaptive) = (16, Some(0.03));
+    let expected = render(&adaptive, &RENDER, &Control::unattended()).unwrap();
+    let far = || Instant::now() + Duration::from_secs(3600);
+    for schedule in Schedule::all() {
+        let options = RenderOptions { threads: Some(2), schedule, ..RENDER };
+        let halt = AtomicBool::new(false);
+        refined(&scene, &options, &halt, |session| {
+            assert!(session.antialias(schedule, 64, far()).unwrap().is_none(), "nothing is traced yet");
+            session.trace(schedule, &to(session, 64, Level::Full), Limit::Whole).unwrap();
+            let (mut rays, mut passes) = (0, 0);
+            while !session.antialiased() {
+                assert!(session.antialiased_film().is_none());
+                halt.store(true, Ordering::Relaxed);
+                let halted = session.antialias(schedule, 64, far()).unwrap().unwrap();
+                halt.store(false, Ordering::Relaxed);
+                let late = session.antialias(schedule, 64, Instant::now() - Duration::from_secs(1));
+                for nothing in [halted, late.unwrap().unwrap()] {
+                    assert!(!nothing.complete && nothing.rays.primary == 0, "{schedule:?}");
+                }
+                // Some tiles in time, most of them not.
+                for deadline in [Instant::now() + Duration::from_micros(300), far()] {
+                    let traced = session.antialias(schedule, 64, deadline).unwrap();
+                    rays += traced.map_or(0, |traced| traced.rays.primary);
+                }
+                passes += 1;
+            }
+            assert!((2..=4).contains(&passes), "{passes}");
+            // The centres are there already.
+            assert_eq!(rays, expected.frames[0].rays.primary - 150 * 101, "{schedule:?}");
+            let film = session.antialiased_film().unwrap().sha256();
+            assert_eq!(
+                (film, session.film().sha256()),
+                (expected.film.sha256(), whole.clone()),
+                "{schedule:?}"
+            );
+            assert!(session.antialias(schedule, 64, far()).unwrap().is_none(), "nothing is left");
+            session.begin(&scene.camera, &Tone::new(0.0));
+            assert!(!session.antialiased() && session.refined().is_none());
+        });
+    }
+}

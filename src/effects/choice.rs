@@ -1,6 +1,6 @@
 //! What the user wants of the effects that a scene calls for.
 
-use super::{EffectSet, Reasons};
+use super::{Effect, EffectSet, Reasons};
 use std::{fmt, str::FromStr};
 
 /// Which effects are simulated, and by which kernel.
@@ -24,6 +24,15 @@ impl EffectChoice {
             EffectChoice::Auto | EffectChoice::All => reasons.set(),
             EffectChoice::Only(set) => set.intersection(reasons.set()),
             EffectChoice::Without(set) => reasons.set().without(set),
+        }
+    }
+
+    /// Whether an effect would be simulated if a scene called for it.
+    pub fn allows(self, effect: Effect) -> bool {
+        match self {
+            EffectChoice::Auto | EffectChoice::All => true,
+            EffectChoice::Only(set) => set.has(effect),
+            EffectChoice::Without(set) => !set.has(effect),
         }
     }
 }

@@ -25,9 +25,6 @@ use crate::{
 };
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Passes after the first one, at most.
-pub(super) const REFINEMENTS: usize = 3;
-
 /// Which pixels of an image have all their samples, row by row. Atomic as a film's pixels are.
 type Marks = Vec<AtomicBool>;
 
@@ -54,6 +51,11 @@ impl Known {
         self.corners
     }
 
+    /// Which pixels have all their samples.
+    pub(super) fn refined(&self) -> &[AtomicBool] {
+        &self.refined
+    }
+
     fn index(&self, [x, y]: [u32; 2]) -> usize {
         y as usize * self.corners.width() as usize + x as usize
     }
@@ -75,6 +77,16 @@ impl Refining {
         let copy = |pixel: &AtomicBool| AtomicBool::new(pixel.load(Ordering::Relaxed));
         let refined = known.refined.iter().map(copy).collect();
         Refining { before, known, refined }
+    }
+
+    /// The film of the pass before.
+    pub(super) fn before(&self) -> &Film {
+        &self.before
+    }
+
+    /// Which pixels have all their samples by now.
+    pub(super) fn refined(&self) -> &[AtomicBool] {
+        &self.refined
     }
 
     /// The film of the pass before, and what is known now.
@@ -164,7 +176,7 @@ fn compare_lines(lines: [(&[f32], &[f32]); 3], least: f32, far: &mut Vec<bool>) 
 }
 
 impl RenderTask<'_> {
-    /// A pass after the first one: leaves the colours of the tile's pixels in `scratch.pixels`, row by row.
+    /// A pass after the first two: leaves the colours of the tile's pixels in `scratch.pixels`, row by row.
     pub(super) fn refine(
         &self,
         camera: &Camera,

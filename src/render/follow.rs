@@ -43,6 +43,7 @@ impl<'a> Follow<'a> {
         table: &'a SurfaceTable,
         paths: &'a PathTable<'a>,
         traversal: Traversal<'a>,
+        samples: u32,
         options: &RenderOptions,
     ) -> Follow<'a> {
         let set = paths.set();
@@ -52,7 +53,7 @@ impl<'a> Follow<'a> {
             set,
             variant: if general { Variant::General } else { Variant::least(set) },
             specialise: !general,
-            samples: if set.has(Effect::Antialiasing) { scene.settings.samples } else { 1 },
+            samples,
             lens: scene.settings.depth_of_field.filter(|_| set.has(Effect::DepthOfField)),
         }
     }

@@ -13,15 +13,18 @@
 mod animation;
 mod adaptive;
 mod follow;
+mod passes;
 mod progressive;
 mod seeds;
 mod session;
+mod stage;
 mod task;
 
 pub use crate::{bvh::Update, shade::RayTally};
 pub use animation::{Moment, animate};
-pub use progressive::{Canvas, Level, Limit, Progressive, RayMap, Target, Tone, Traced};
-pub use session::{Geometry, Session, Stage};
+pub use progressive::{Canvas, Level, Limit, Progressive, RayMap, Refined, Target, Tone, Traced};
+pub use session::Session;
+pub use stage::{Geometry, Stage};
 
 use crate::{
     bvh::BuildPreset,

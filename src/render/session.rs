@@ -1,140 +1,21 @@
-//! A scene made ready, and frame after frame on the same workers.
+//! Frame after frame on the same workers.
 
 use super::{
-    FrameReport, RenderOptions,
-    adaptive::{Known, REFINEMENTS, Refining},
-    choose_kernels,
-    task::{Frame, Pass, RenderTask, TileReport},
+    FrameReport, Stage,
+    passes::{Adaptive, Pass},
+    task::{Frame, RenderTask, TileReport},
 };
 use crate::{
-    bvh::{BuildPreset, Bvh, Update},
     camera::Camera,
-    effects::{Effect, EffectChoice, EffectSet, Reasons},
     error::Result,
     film::Film,
-    kernels::Kernels,
-    scene::Scene,
     schedule::{Control, FilmMode, FrameStats, Master, Placement, Schedule, Source, with_workers},
-    shade::{PLAIN, PathTable, RayTally, SurfaceTable},
-    tile::{Tile, tiles},
+    shade::RayTally,
+    tile::Tile,
 };
-use std::{ops::Range, sync::Arc, time::Instant};
+use std::ops::Range;
 
-/// What a scene is rendered by, as far as it is worth keeping when the scene has moved or is rendered another way.
-#[derive(Clone, Debug)]
-pub struct Geometry {
-    pub(super) bvh: Arc<Bvh>,
-    table: SurfaceTable,
-    /// The effects that `table` is for.
-    set: EffectSet,
-}
-
-/// A scene that is ready to be rendered by any number of workers.
-pub struct Stage<'a> {
-    scene: &'a Scene,
-    options: RenderOptions,
-    pub(super) kernels: Kernels,
-    pub(super) geometry: Geometry,
-    /// To follow light further than the first surfaces, where a scene calls for that.
-    paths: Option<PathTable<'a>>,
-    /// To build the tree and the surface table.
-    pub(super) build_seconds: f64,
-}
-
-impl<'a> Stage<'a> {
-    /// Checks the scene and builds the tree. Threads, frames and schedule of `options` mean nothing here.
-    ///
-    /// # Errors
-    /// [`Error::Flag`](crate::error::Error::Flag) for an instruction set that this machine lacks,
-    /// [`Error::Failed`](crate::error::Error::Failed) if the scene breaks a promise (see [`Scene::check`]) or the tree
-    /// cannot be built.
-    pub fn new(scene: &'a Scene, options: &RenderOptions) -> Result<Stage<'a>> {
-        choose_kernels(options.isa)?;
-        scene.check()?;
-        let start = Instant::now();
-        let bvh = Arc::new(Bvh::build(&scene.mesh, options.build)?);
-        let set = options.effects.set(&Reasons::new(scene));
-        let geometry = Geometry { bvh, table: SurfaceTable::with_effects(scene, set), set };
-        let mut stage = Stage::again(scene, options, geometry)?;
-        stage.build_seconds = start.elapsed().as_secs_f64();
-        Ok(stage)
-    }
-
-    /// The same scene, with what an earlier stage has left behind; it has not moved since.
-    ///
-    /// # Errors
-    /// [`Error::Flag`](crate::error::Error::Flag) for an instruction set that this machine lacks.
-    pub fn again(scene: &'a Scene, options: &RenderOptions, mut geometry: Geometry) -> Result<Stage<'a>> {
-        let kernels = choose_kernels(options.isa)?.with_visibility(options.visibility);
-        let set = options.effects.set(&Reasons::new(scene));
-        if set != geometry.set {
-            (geometry.table, geometry.set) = (SurfaceTable::with_effects(scene, set), set);
-        }
-        let paths = (!is_plain(scene, set, options.effects)).then(|| PathTable::new(scene, set));
-        Ok(Stage { scene, options: *options, kernels, geometry, paths, build_seconds: 0.0 })
-    }
-
-    /// Leaves what another stage of this scene can use.
-    pub fn leave(self) -> Geometry {
-        self.geometry
-    }
-
-    /// Another stage with the same tree, for a scene that differs in nothing but settings and pictures. The quality of the
-    /// tree in `options` does not count.
-    ///
-    /// # Errors
-    /// As [`Stage::new`].
-    ///
-    /// # Panics
-    /// If the scene has another number of triangles.
-    pub fn beside<'b>(&self, scene: &'b Scene, options: &RenderOptions) -> Result<Stage<'b>> {
-        assert_eq!(scene.mesh.len(), self.scene.mesh.len(), "the same mesh");
-        scene.check()?;
-        let set = options.effects.set(&Reasons::new(scene));
-        let table = SurfaceTable::with_effects(scene, set);
-        Stage::again(scene, options, Geometry { bvh: Arc::clone(&self.geometry.bvh), table, set })
-    }
-
-    /// The kernels that trace.
-    pub fn kernels(&self) -> Kernels {
-        self.kernels
-    }
-
-    /// The tree.
-    pub fn bvh(&self) -> &Bvh {
-        &self.geometry.bvh
-    }
-
-    /// How it is rendered.
-    pub(super) fn options(&self) -> &RenderOptions {
-        &self.options
-    }
-
-    /// The effects that are simulated.
-    pub fn set(&self) -> EffectSet {
-        self.geometry.set
-    }
-
-    /// What workers need to render this scene.
-    pub(super) fn task(&self) -> RenderTask<'_> {
-        let Stage { scene, options, kernels, geometry: Geometry { bvh, table, .. }, paths, .. } = self;
-        let once = self.set().without(EffectSet::of(&[Effect::Antialiasing]));
-        let plain_once = is_plain(scene, once, options.effects);
-        RenderTask::new(scene, bvh, table, paths.as_ref(), plain_once, *kernels, options)
-    }
-
-    /// The camera of the scene.
-    pub(super) fn camera(&self) -> Camera {
-        let [width, height] = self.options.size;
-        Camera::new(&self.scene.camera, width, height)
-    }
-
-    /// The image cut into tiles of `side` pixels, in the stage's order.
-    pub fn tiles(&self, side: u32) -> Vec<Tile> {
-        let [width, height] = self.options.size;
-        tiles(width, height, side, self.options.order)
-    }
-
+impl Stage<'_> {
     /// Calls `body` with workers that render this scene.
     ///
     /// # Errors
@@ -145,9 +26,7 @@ impl<'a> Stage<'a> {
         body: impl FnOnce(&mut Session<'_, '_>) -> Result<R>,
     ) -> Result<R> {
         let (task, camera) = (self.task(), self.camera());
-        let [width, height] = self.options.size;
-        let settings = &self.scene.settings;
-        let adaptive = settings.adaptive.filter(|_| self.set().has(Effect::Antialiasing));
+        let ([width, height], adaptive) = (self.options().size, self.adaptive());
         with_workers(&task, placement, |master| {
             body(&mut Session {
                 master,
@@ -158,18 +37,6 @@ impl<'a> Stage<'a> {
                 spare: vec![],
             })
         })
-    }
-}
-
-impl Geometry {
-    /// Follows the scene, which has moved: the tree is refitted or built anew (see [`Bvh::follow`]).
-    ///
-    /// # Errors
-    /// As [`Bvh::build`].
-    pub fn follow(&mut self, scene: &Scene, build: BuildPreset) -> Result<Update> {
-        let update = Arc::make_mut(&mut self.bvh).follow(&scene.mesh, build)?;
-        self.table.pose(&scene.mesh);
-        Ok(update)
     }
 }
 
@@ -221,40 +88,20 @@ impl Session<'_, '_> {
             let (_, stats, sum) = self.pass(Pass::All, schedule, tiles, control, watch)?;
             return Ok((stats, sum));
         };
-        let centres = self.camera;
-        self.camera = centres.of_corners();
-        let corners = self.pass(Pass::Once, schedule, tiles, control, &mut |_, _| {});
-        self.camera = centres;
-        let (_, stats, mut sum) = corners?;
-        let corners = self.next_film();
-        let (_, more, rest) = self.pass(Pass::Once, schedule, tiles, control, watch)?;
-        self.film.inherit_nan(&corners);
-        sum.add(&rest);
-        let mut stats = stats.followed_by(more);
-        let mut known = Known::new(corners, least);
-        for _ in 0..REFINEMENTS {
-            let refining = Pass::Refine(Box::new(Refining::new(self.next_film(), known)));
-            let (refining, more, rest) = self.pass(refining, schedule, tiles, control, watch)?;
-            let Pass::Refine(refining) = refining else { return Ok((stats, sum)) };
-            let (before, now) = refining.end();
-            self.film.inherit_nan(&before);
-            self.spare.push(before);
-            known = now;
-            sum.add(&rest);
+        let mut adaptive = Adaptive::new(least, false);
+        let mut step = |adaptive: &mut Adaptive, pass| {
+            let (pass, stats, sum) = self.pass(pass, schedule, tiles, control, watch)?;
+            adaptive.done(pass, &mut self.film, &mut self.spare, sum.rays.primary);
+            Ok((stats, sum))
+        };
+        let (mut stats, mut sum) = step(&mut adaptive, Pass::Corners)?;
+        while let Some(pass) = adaptive.take() {
+            let (more, rest) = step(&mut adaptive, pass)?;
             stats = stats.followed_by(more);
-            if rest.rays.primary == 0 {
-                break;
-            }
+            sum.add(&rest);
         }
-        self.spare.push(known.end());
+        self.spare.extend(adaptive.end());
         Ok((stats, sum))
-    }
-
-    /// Takes the film, and puts another in its place.
-    fn next_film(&mut self) -> Film {
-        let [width, height] = [self.film.width(), self.film.height()];
-        let blank = self.spare.pop().unwrap_or_else(|| Film::new(width, height));
-        std::mem::replace(&mut self.film, blank)
     }
 
     /// Takes some samples of all pixels, and gives `pass` back.
@@ -273,7 +120,9 @@ impl Session<'_, '_> {
         let mut sum = TileReport::default();
         let collect = |frame: &Frame, tile, report: &mut TileReport| {
             frame.collect(tile, report, &mut sum);
-            watch(tile, &frame.film);
+            if !matches!(frame.pass, Pass::Corners) {
+                watch(tile, &frame.film);
+            }
         };
         match self.master.run_frame(schedule, frame, tiles, control, collect) {
             Ok((frame, stats)) => {
@@ -345,13 +194,6 @@ impl Session<'_, '_> {
     }
 }
 
-/// Whether light need not be followed further than to the first surfaces.
-fn is_plain(scene: &Scene, set: EffectSet, choice: EffectChoice) -> bool {
-    let shadowless = !scene.lights.is_empty() && !set.has(Effect::HardShadows);
-    let smooth = set.has(Effect::SmoothNormals) && scene.settings.smooth_terminator;
-    PLAIN.includes(set) && choice != EffectChoice::All && !shadowless && !smooth
-}
-
 /// The same frame again and again.
 struct Again {
     left: usize,
@@ -386,10 +228,14 @@ impl Source<RenderTask<'_>> for Again {
 
 #[cfg(test)]
 mod tests {
-    use super::super::adaptive::tests::differing;
+    use super::super::{adaptive::tests::differing, passes::REFINEMENTS};
     use super::*;
     use crate::{
+        bvh::BuildPreset,
+        effects::EffectChoice,
         kernels::Visibility,
+        render::RenderOptions,
+        scene::Scene,
         schedule::{Machine, Strategy},
         tile::Order,
         trace::{EarlyTermination, KernelChoice},

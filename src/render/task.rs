@@ -2,8 +2,9 @@
 
 use super::{
     RenderOptions,
-    adaptive::{Differences, Refining},
+    adaptive::Differences,
     follow::Follow,
+    passes::Pass,
     seeds::{HitSeeds, NONE},
 };
 use crate::{
@@ -41,16 +42,6 @@ pub(super) struct Frame {
     pub(super) film: Film,
     pub(super) mode: FilmMode,
     pub(super) pass: Pass,
-}
-
-/// Which samples of its pixels a tile is to take.
-pub(super) enum Pass {
-    /// All of them.
-    All,
-    /// One, through the centre.
-    Once,
-    /// All of pixels that differ from others; the others stay as they are.
-    Refine(Box<Refining>),
 }
 
 impl Frame {
@@ -114,11 +105,12 @@ pub(super) struct Scratch {
 }
 
 impl<'a> RenderTask<'a> {
+    /// `paths` are followed for so many samples per pixel.
     pub(super) fn new(
         scene: &'a Scene,
         bvh: &'a Bvh,
         table: &'a SurfaceTable,
-        paths: Option<&'a PathTable<'a>>,
+        paths: Option<(&'a PathTable<'a>, u32)>,
         plain_once: bool,
         kernels: Kernels,
         options: &RenderOptions,
@@ -126,7 +118,8 @@ impl<'a> RenderTask<'a> {
         let RenderOptions { kernel, early, size, .. } = *options;
         let hit_seeds = HitSeeds::new(early, size);
         let traversal = Traversal::new(bvh, kernels, kernel);
-        let follow = paths.map(|paths| Follow::new(scene, table, paths, traversal, options));
+        let follow =
+            paths.map(|(paths, samples)| Follow::new(scene, table, paths, traversal, samples, options));
         RenderTask { scene, table, traversal, early, hit_seeds, follow, plain_once }
     }
 }
@@ -160,11 +153,7 @@ impl TileTask for RenderTask<'_> {
 
     fn run(&self, frame: &Frame, tile: Tile, scratch: &mut Scratch, report: &mut TileReport) {
         let mut meter = Meter::start();
-        match &frame.pass {
-            Pass::All => self.colour(&frame.camera, tile, scratch, &mut meter),
-            Pass::Once => self.colour_once(&frame.camera, tile, scratch, &mut meter),
-            Pass::Refine(refining) => self.refine(&frame.camera, tile, refining, scratch, &mut meter),
-        }
+        self.run_pass(&frame.pass, &frame.camera, tile, scratch, &mut meter);
         match frame.mode {
             FilmMode::Shared => {
                 let [r, g, b] = &scratch.pixels;
@@ -179,6 +168,23 @@ impl TileTask for RenderTask<'_> {
 }
 
 impl RenderTask<'_> {
+    /// Leaves the colours of the tile's pixels in `scratch.pixels`, row by row, as far as a pass takes their samples.
+    pub(super) fn run_pass(
+        &self,
+        pass: &Pass,
+        camera: &Camera,
+        tile: Tile,
+        scratch: &mut Scratch,
+        meter: &mut Meter,
+    ) {
+        match pass {
+            Pass::All => self.colour(camera, tile, scratch, meter),
+            Pass::Corners => self.colour_once(&camera.of_corners(), tile, scratch, meter),
+            Pass::Centres(_) => self.colour_once(camera, tile, scratch, meter),
+            Pass::Refine(refining) => self.refine(camera, tile, refining, scratch, meter),
+        }
+    }
+
     /// Leaves the colours of the tile's pixels in `scratch.pixels`, row by row.
     pub(super) fn colour(&self, camera: &Camera, tile: Tile, scratch: &mut Scratch, meter: &mut Meter) {
         match &self.follow {
@@ -188,7 +194,7 @@ impl RenderTask<'_> {
     }
 
     /// The same by one sample through the centre of each pixel.
-    fn colour_once(&self, camera: &Camera, tile: Tile, scratch: &mut Scratch, meter: &mut Meter) {
+    pub(super) fn colour_once(&self, camera: &Camera, tile: Tile, scratch: &mut Scratch, meter: &mut Meter) {
         match &self.follow {
             Some(follow) if !self.plain_once => self.follow(follow, camera, tile, 1, scratch, meter),
             _ => self.look(camera, tile, scratch, meter),

@@ -36,7 +36,7 @@ pub enum Command {
 }
 
 /// Keys, what they do, and how the help says it. Keys that the help tells together have the text at the first.
-pub const BINDINGS: [(&str, Command, &str); 42] = [
+pub const BINDINGS: [(&str, Command, &str); 43] = [
     ("w", Command::Hold, "w a s d    move ahead, left, back, right"),
     ("a", Command::Hold, ""),
     ("s", Command::Hold, ""),
@@ -63,6 +63,7 @@ pub const BINDINGS: [(&str, Command, &str); 42] = [
     ("8", Command::Cycle(Mode::Early), "8          early termination"),
     ("9", Command::Cycle(Mode::Tile), "9          size of tiles"),
     ("0", Command::Cycle(Mode::Pin), "0          pinning"),
+    ("n", Command::Cycle(Mode::AntiAliasing), "n          anti-aliasing at rest"),
     (
         "x",
         Command::Cycle(Mode::Effects),

@@ -63,6 +63,10 @@ impl Figures {
             last.share * 100.0,
             if last.moved { "" } else { ", at rest" }
         ));
+        lines.extend(last.refined.map(|refined| {
+            let done = if refined.complete { "anti-aliased" } else { "anti-aliasing" };
+            format!("{:5.1} % {done} by {} samples", refined.share * 100.0, refined.samples)
+        }));
         if let Some(latency) = last.latency.or(moving.last().and_then(|frame| frame.latency)) {
             lines.push(format!("{:5.1} ms from hand to eye", latency.as_secs_f64() * 1e3));
         }

@@ -5,22 +5,22 @@ use super::{
     link::{Link, Timed},
     overlay::Overlay,
     pacer::{Pacer, regions},
-    picture::{Frame, News, Picture, ShownMoment},
-    setting::described,
+    picture::{News, ShownMoment},
+    publish::Made,
     state::{Change, State},
 };
 use crate::{
     error::Result,
-    output::OutputFile,
-    render::{Level, Limit, Progressive, RayMap, RayTally, Target, Traced},
+    render::{Level, Limit, Progressive, RayMap, Target, Traced},
     schedule::{Span, WorkerStats},
 };
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Tiles for a base of every n-th pixel are n times as large, so that a worker has as many rays at a time; up to this.
 const LARGEST_TILE: u32 = 256;
 /// A pass at rest plans this much time before the picture is shown again.
-const REST_PASS: f64 = 0.1;
+pub(super) const REST_PASS: f64 = 0.1;
 /// A frame has no time for another pass in less than this, in seconds.
 const SHORTEST_PASS: f64 = 1.0e-3;
 
@@ -36,9 +36,9 @@ pub(super) struct Kept {
     /// Up to when held keys and the time that passes have been taken in.
     last: Instant,
     /// What the workers did in the first pass of this image.
-    first: (Vec<WorkerStats>, Vec<Span>),
+    pub(super) first: (Vec<WorkerStats>, Vec<Span>),
     /// Seconds spent on tracing this image.
-    image_seconds: f64,
+    pub(super) image_seconds: f64,
 }
 
 impl Kept {
@@ -76,9 +76,23 @@ pub(super) struct Maker<'r, 'm, 'a> {
     pub(super) kept: &'r mut Kept,
     pub(super) link: &'r Link,
     pub(super) tell: &'r mut dyn FnMut(News),
+    /// What rays do in the image that is shown, if that was asked for.
+    pub(super) map: Option<Arc<RayMap>>,
+    /// Pixels have got more samples than those that are shown.
+    pub(super) unshown: bool,
 }
 
-impl Maker<'_, '_, '_> {
+impl<'r, 'm, 'a> Maker<'r, 'm, 'a> {
+    pub(super) fn new(
+        session: &'r mut Progressive<'m, 'a>,
+        state: &'r mut State,
+        kept: &'r mut Kept,
+        link: &'r Link,
+        tell: &'r mut dyn FnMut(News),
+    ) -> Maker<'r, 'm, 'a> {
+        Maker { session, state, kept, link, tell, map: None, unshown: false }
+    }
+
     /// Makes pictures until there is a reason to end.
     pub(super) fn run(mut self) -> Result<End> {
         let (mut stale, mut told, mut laid) = (true, false, Overlay::None);
@@ -88,27 +102,30 @@ impl Maker<'_, '_, '_> {
             (stale, laid) = (false, self.state.laid());
         }
         loop {
-            let idle = !stale && !self.state.moving() && self.session.complete();
+            let whole = !stale && !self.state.moving() && self.session.complete();
+            if whole && laid != self.state.overlay && self.lay()? {
+                laid = self.state.overlay;
+            }
+            let idle = whole && laid == self.state.overlay && self.is_finest();
             if self.state.settling || !self.state.screenshots.is_empty() {
                 told = false;
             }
-            if idle && laid != self.state.overlay && self.lay()? {
-                laid = self.state.overlay;
-            }
-            let halted = idle && laid != self.state.overlay;
-            if idle && !halted && !std::mem::replace(&mut told, true) {
+            if idle && !std::mem::replace(&mut told, true) {
                 self.rest();
             }
-            let change = self.listen(idle && !halted);
+            let change = self.listen(idle);
             if let Some(end) = self.end(change) {
                 return Ok(end);
             }
-            stale |= change.picture;
+            stale |= change.picture || !self.session.suits_antialiasing(self.state.antialiasing);
             if stale {
                 self.frame()?;
                 (stale, told, laid) = (false, false, self.state.laid());
             } else if !self.session.complete() {
                 self.refine()?;
+            } else if !self.state.moving() && !self.is_finest() {
+                self.antialias()?;
+                told = false;
             }
         }
     }
@@ -119,30 +136,6 @@ impl Maker<'_, '_, '_> {
             .into_iter()
             .find(|(so, _)| *so)
             .map(|(_, end)| end)
-    }
-
-    /// Shows the picture at rest with another overlay; false if an event came first.
-    fn lay(&mut self) -> Result<bool> {
-        if self.state.overlay.needs_map() {
-            return self.map();
-        }
-        let (start, rays) = (Instant::now(), RayTally::default());
-        self.publish(Made { start, latency: None, moved: false, base: Level::Full, rays, map: None })?;
-        Ok(true)
-    }
-
-    /// Nothing is left to do.
-    fn rest(&mut self) {
-        let film = self.session.film();
-        for path in self.state.screenshots.drain(..) {
-            let written = OutputFile::create(&path).and_then(|file| file.write(film, self.state.exposure));
-            (self.tell)(News::Note(match written {
-                Ok(()) => format!("{} is written", path.display()),
-                Err(error) => error.to_string(),
-            }));
-        }
-        let image_sha256 = std::mem::take(&mut self.state.settling).then(|| film.sha256());
-        (self.tell)(News::Rest { image_sha256 });
     }
 
     /// Takes events in, and moves the camera up to now.
@@ -185,6 +178,8 @@ impl Maker<'_, '_, '_> {
         let (pixels, workers) = (f64::from(width) * f64::from(height), self.session.workers());
         let left = self.kept.pacer.left(begin - start);
         let base = self.kept.pacer.base(left, pixels, workers);
+        self.session.set_antialiasing(self.state.antialiasing);
+        (self.map, self.unshown) = (None, false);
         // With time for every pixel, the image need not be there before the camera rests.
         match base {
             Level::Full => self.session.begin_sketch(&self.state.rig.camera, &self.state.tone),
@@ -207,8 +202,7 @@ impl Maker<'_, '_, '_> {
             rays.add(&self.pass(left, Limit::Until(deadline))?.rays);
         }
         let latency = self.kept.unseen.take();
-        let map = None;
-        self.publish(Made { start, latency, moved: true, base, rays, map })
+        self.publish(Made { start, latency, moved: true, base, rays })
     }
 
     /// The picture becomes finer, or the sketch an image.
@@ -224,7 +218,7 @@ impl Maker<'_, '_, '_> {
         let Traced { complete, rays, .. } = self.pass(REST_PASS, Limit::Halt)?;
         if complete {
             let base = self.session.level(self.session.whole());
-            self.publish(Made { start, latency: None, moved: false, base, rays, map: None })?;
+            self.publish(Made::finer(start, base, rays))?;
         }
         Ok(())
     }
@@ -237,22 +231,9 @@ impl Maker<'_, '_, '_> {
         let traced = self.session.trace(self.state.options.schedule, &targets, Limit::Halt)?;
         self.kept.image_seconds += traced.stats.seconds;
         if traced.complete {
-            let (base, rays) = (Level::Full, traced.rays);
-            self.publish(Made { start, latency: None, moved: false, base, rays, map: None })?;
+            self.publish(Made::finer(start, Level::Full, traced.rays))?;
         }
         Ok(())
-    }
-
-    /// The picture is shown again, with a map of what the rays of the whole image do; unless an event comes first.
-    fn map(&mut self) -> Result<bool> {
-        let start = Instant::now();
-        let map = self.session.map(self.state.options.schedule)?;
-        let mapped = map.is_some();
-        if mapped {
-            let rays = RayTally::default();
-            self.publish(Made { start, latency: None, moved: false, base: Level::Full, rays, map })?;
-        }
-        Ok(mapped)
     }
 
     /// Refines what helps most in these seconds.
@@ -266,48 +247,4 @@ impl Maker<'_, '_, '_> {
         }
         Ok(traced)
     }
-
-    fn publish(&mut self, made: Made) -> Result<()> {
-        let Made { start, latency, moved, base, rays, map } = made;
-        let (workers, spans) = self.kept.first.clone();
-        let begin = Instant::now();
-        let mut pixels = self.link.spare();
-        self.session.fill(self.state.options.schedule, &mut pixels)?;
-        let end = Instant::now();
-        let fill_seconds = (end - begin).as_secs_f64();
-        self.kept.pacer.learn_fill(fill_seconds);
-        let frame = Frame {
-            start,
-            end,
-            latency: latency.map(|at| end.saturating_duration_since(at)),
-            moved,
-            share: self.session.share(),
-            base,
-            rays,
-            fill_seconds,
-            moment: self.kept.moment,
-            camera: self.state.rig.camera,
-            exposure: self.state.exposure,
-            options: self.state.options,
-            modes: described(&self.state.options),
-            workers,
-            spans,
-            levels: self.session.levels(),
-            image_seconds: self.kept.image_seconds,
-        };
-        let (size, overlay) = (self.state.options.size, self.state.overlay);
-        (self.tell)(News::Picture(Box::new(Picture { size, pixels, frame, overlay, map })));
-        Ok(())
-    }
-}
-
-/// What a picture is published with.
-struct Made {
-    start: Instant,
-    /// When the oldest event happened that it is the first to show.
-    latency: Option<Instant>,
-    moved: bool,
-    base: Level,
-    rays: RayTally,
-    map: Option<RayMap>,
 }

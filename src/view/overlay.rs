@@ -16,7 +16,7 @@ pub enum Overlay {
     None,
     /// A colour for each worker, on the tiles that it traced in the first pass.
     Workers,
-    /// Share of the pixels that are traced, by squares of 16 pixels.
+    /// Share of the pixels that are traced, by squares of 16 pixels; then which pixels have more than one sample.
     Samples,
     /// Time per pixel in the first pass, by tiles.
     Time,
@@ -69,7 +69,7 @@ pub(super) fn tint(picture: &Picture, order: Order, tile: u32) -> Option<(Vec<u3
     match (picture.overlay, &picture.map) {
         (Overlay::None, _) => None,
         (Overlay::Workers, _) => Some(workers(picture)),
-        (Overlay::Samples, _) => Some(samples(picture)),
+        (Overlay::Samples, _) => Some(refined(picture).unwrap_or_else(|| samples(picture))),
         (Overlay::Time, _) => Some(time(picture)),
         (Overlay::Steps, Some(map)) => Some(steps(&map.steps)),
         (Overlay::Lanes, Some(map)) => Some(lanes(map, picture.size)),
@@ -118,6 +118,14 @@ fn samples(picture: &Picture) -> (Vec<u32>, String) {
         heat(1.0 + level.share().max(1.0 / 16.0).log2() / 4.0)
     };
     ((0..width * height).map(color).collect(), "blue to red: 1/16, 1/4, 1/2, all of the pixels traced".into())
+}
+
+/// Pixels with all their samples, once anti-aliasing has begun.
+fn refined(picture: &Picture) -> Option<(Vec<u32>, String)> {
+    let (pixels, refined) = (picture.refined.as_ref()?, picture.frame.refined?);
+    let colors = pixels.iter().map(|&all| heat(if all { 1.0 } else { 0.0 })).collect();
+    let share = refined.share * 100.0;
+    Some((colors, format!("blue: 1 sample per pixel, red: {} ({share:.1} % of the pixels)", refined.samples)))
 }
 
 fn steps(steps: &[AtomicU32]) -> (Vec<u32>, String) {

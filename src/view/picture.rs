@@ -2,11 +2,14 @@
 
 use super::overlay::Overlay;
 use crate::{
-    render::{Level, RayMap, RayTally, RenderOptions, Update},
+    render::{Level, RayMap, RayTally, Refined, RenderOptions, Update},
     scene::CameraDescription,
     schedule::{Span, WorkerStats},
 };
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{
+    Arc,
+    atomic::{AtomicU32, Ordering},
+};
 use std::time::{Duration, Instant};
 
 /// A finished picture.
@@ -21,7 +24,9 @@ pub struct Picture {
     /// What is to be laid over it.
     pub overlay: Overlay,
     /// What rays do, if the overlay needs it and the camera rests.
-    pub map: Option<RayMap>,
+    pub map: Option<Arc<RayMap>>,
+    /// Which pixels have all samples, row by row; if the overlay tells that, and some pixels shall have more than one.
+    pub refined: Option<Vec<bool>>,
 }
 
 impl Picture {
@@ -35,15 +40,24 @@ impl Picture {
     }
 }
 
+/// Hashes of the linear pixels of an image at rest.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Hashes {
+    /// Before anti-aliasing.
+    pub image_sha256: String,
+    /// After it, if it is on.
+    pub antialiased_sha256: Option<String>,
+}
+
 /// What the renderer tells.
 #[derive(Debug)]
 pub enum News {
     /// A picture is finished.
     Picture(Box<Picture>),
-    /// Every pixel of the last picture is traced, and nothing moves.
+    /// Every pixel of the last picture is traced, and has all its samples if there is anti-aliasing; nothing moves.
     Rest {
-        /// Hash of the linear pixels, if an event had asked to be told ([`Event::Settle`](super::Event::Settle)).
-        image_sha256: Option<String>,
+        /// Hashes, if an event had asked to be told ([`Event::Settle`](super::Event::Settle)).
+        hashes: Option<Hashes>,
     },
     /// A sentence for people.
     Note(String),
@@ -77,6 +91,8 @@ pub struct Frame {
     pub share: f64,
     /// The level that all of the picture has.
     pub base: Level,
+    /// How many pixels have more than one sample, once anti-aliasing has begun.
+    pub refined: Option<Refined>,
     /// Rays traced for it.
     pub rays: RayTally,
     /// Seconds of filling in the missing pixels.

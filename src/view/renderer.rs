@@ -45,7 +45,7 @@ pub fn run(
         let stage = Stage::again(&scene, &state.options, geometry)?;
         let placement = Placement::new(Machine::get(), state.options.threads, state.options.pin);
         let end = stage.with_progressive_on(&mut canvas, &placement, &link.halt, |session| {
-            Maker { session, state: &mut state, kept: &mut kept, link, tell: &mut *tell }.run()
+            Maker::new(session, &mut state, &mut kept, link, &mut *tell).run()
         })?;
         geometry = stage.leave();
         match end {

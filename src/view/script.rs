@@ -141,8 +141,10 @@ fn number(text: &str) -> std::result::Result<f32, String> {
 pub struct Played {
     /// Every frame, in order.
     pub frames: Vec<Frame>,
-    /// Hash of the image at each rest.
+    /// Hash of the image at each rest, before anti-aliasing.
     pub hashes: Vec<String>,
+    /// The same after it, where it was on.
+    pub antialiased: Vec<Option<String>>,
     /// Some pictures among the frames, by number, to compare with the whole image; at most 16.
     pub kept: Vec<(usize, Box<Picture>)>,
     /// When the script began.
@@ -265,10 +267,11 @@ impl Audience<'_> {
                 self.played.frames.push(picture.frame.clone());
                 self.keep(number, picture);
             }
-            News::Rest { image_sha256 } => {
-                let settled = image_sha256.is_some();
-                self.played.hashes.extend(image_sha256);
-                return Ok(settled);
+            News::Rest { hashes: None } => {}
+            News::Rest { hashes: Some(hashes) } => {
+                self.played.hashes.push(hashes.image_sha256);
+                self.played.antialiased.push(hashes.antialiased_sha256);
+                return Ok(true);
             }
             News::Note(note) => log::info!("{note}"),
         }

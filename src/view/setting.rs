@@ -46,6 +46,8 @@ pub enum Setting {
     FrameTime(Duration),
     /// What is laid over the picture.
     Overlay(Overlay),
+    /// At rest, pixels that differ from others get more samples.
+    AntiAliasing(bool),
     /// Which effects are simulated, and by which kernel.
     Effects(EffectChoice),
     /// The moment of a scene that moves, in seconds.
@@ -55,7 +57,7 @@ pub enum Setting {
 }
 
 /// Names and values, as a script has them.
-pub const NAMES: [(&str, &str); 18] = [
+pub const NAMES: [(&str, &str); 19] = [
     ("order", "scanline, serpentine, hilbert, morton or peano"),
     (
         "schedule",
@@ -74,6 +76,7 @@ pub const NAMES: [(&str, &str); 18] = [
     ("camera", "orbit or fly"),
     ("frame-time", "milliseconds, 1 to 10000"),
     ("overlay", "none, workers, samples, time, steps, lanes or coherence"),
+    ("anti-aliasing", "on or off"),
     ("effects", "auto, all, a list of effects with commas between, or without=LIST"),
     ("time", "seconds from the beginning of the motion"),
     ("motion", "play or stop"),
@@ -114,6 +117,7 @@ impl Setting {
                 let milliseconds = parsed(value).filter(|ms: &f64| (1.0..=10000.0).contains(ms))?;
                 Setting::FrameTime(Duration::from_secs_f64(milliseconds * 1e-3))
             }
+            "anti-aliasing" => Setting::AntiAliasing(one_of(value, ["off", "on"])? == 1),
             "effects" => Setting::Effects(parsed(value)?),
             "time" => Setting::Time(parsed(value).filter(|time: &f64| *time >= 0.0 && time.is_finite())?),
             "motion" => Setting::Play(one_of(value, ["stop", "play"])? == 1),
@@ -141,6 +145,7 @@ impl Setting {
             | Setting::Fly(_)
             | Setting::FrameTime(_)
             | Setting::Overlay(_)
+            | Setting::AntiAliasing(_)
             | Setting::Time(_)
             | Setting::Play(_) => false,
         }
@@ -174,6 +179,8 @@ pub enum Mode {
     Camera,
     /// See [`Setting::Overlay`].
     Overlay,
+    /// See [`Setting::AntiAliasing`].
+    AntiAliasing,
     /// See [`Setting::Effects`].
     Effects,
     /// See [`Setting::Play`].
@@ -189,6 +196,8 @@ pub struct Now<'a> {
     pub fly: bool,
     /// See [`Setting::Overlay`].
     pub overlay: Overlay,
+    /// See [`Setting::AntiAliasing`].
+    pub antialiasing: bool,
     /// See [`Setting::Play`].
     pub playing: bool,
     /// Workers that are worth having.
@@ -199,7 +208,7 @@ pub struct Now<'a> {
 
 impl Mode {
     /// All of them.
-    pub const ALL: [Mode; 14] = [
+    pub const ALL: [Mode; 15] = [
         Mode::Order,
         Mode::Schedule,
         Mode::Film,
@@ -212,13 +221,14 @@ impl Mode {
         Mode::Pin,
         Mode::Camera,
         Mode::Overlay,
+        Mode::AntiAliasing,
         Mode::Effects,
         Mode::Play,
     ];
 
     /// The value after the one that is set.
     pub fn next(self, now: &Now<'_>) -> Setting {
-        let Now { options, fly, overlay, playing, cores, called } = *now;
+        let Now { options, fly, overlay, antialiasing, playing, cores, called } = *now;
         let early: Vec<EarlyTermination> = [
             "none",
             "pet-bound",
@@ -250,6 +260,7 @@ impl Mode {
             Mode::Pin => Setting::Pin(!options.pin),
             Mode::Camera => Setting::Fly(!fly),
             Mode::Overlay => Setting::Overlay(after(&Overlay::ALL, overlay)),
+            Mode::AntiAliasing => Setting::AntiAliasing(!antialiasing),
             Mode::Effects => {
                 let without = called.iter().map(|effect| EffectChoice::Without(EffectSet::of(&[effect])));
                 let all: Vec<_> =

@@ -43,6 +43,8 @@ pub struct State {
     pub exposure: f32,
     /// What is laid over the picture.
     pub overlay: Overlay,
+    /// At rest, pixels that differ from others get more samples.
+    pub antialiasing: bool,
     /// Files that the next image at rest is written to.
     pub screenshots: Vec<PathBuf>,
     /// Somebody wants to be told when the image is at rest.
@@ -75,6 +77,7 @@ impl State {
             frame_time,
             exposure: 0.0,
             overlay: Overlay::None,
+            antialiasing: false,
             screenshots: vec![],
             settling: false,
             held: BTreeSet::new(),
@@ -130,6 +133,7 @@ impl State {
             options: &self.options,
             fly: self.rig.mode == RigMode::Fly,
             overlay: self.overlay,
+            antialiasing: self.antialiasing,
             playing: self.clock.playing,
             cores: Machine::get().default_workers(),
             called: self.called,
@@ -146,6 +150,7 @@ impl State {
             Setting::Fly(fly) => self.rig.mode = if fly { RigMode::Fly } else { RigMode::Orbit },
             Setting::FrameTime(time) => self.frame_time = time,
             Setting::Overlay(overlay) => self.overlay = overlay,
+            Setting::AntiAliasing(on) => self.antialiasing = on,
             Setting::Time(time) => self.clock.set(time),
             Setting::Play(playing) => self.clock.play(playing),
             other => change.engine |= other.apply(&mut self.options),
@@ -244,6 +249,7 @@ mod tests {
             ("camera", "fly"),
             ("frame-time", "50"),
             ("overlay", "steps"),
+            ("anti-aliasing", "on"),
             ("effects", "without=hard-shadows"),
             ("time", "0.5"),
             ("motion", "play"),
@@ -259,7 +265,8 @@ mod tests {
             let change = changed(&mut state, Event::Set(setting));
             assert_ne!(format!("{state:?}"), before, "{name}");
             // What concerns the workers makes them anew, once.
-            let ours = ["exposure", "fov", "camera", "frame-time", "overlay", "time", "motion"];
+            let ours =
+                ["exposure", "fov", "camera", "frame-time", "overlay", "anti-aliasing", "time", "motion"];
             let engine = !ours.contains(&name);
             assert_eq!(
                 (change.engine, change.picture),

@@ -60,8 +60,10 @@ pub struct Summary {
     pub latency: [f64; 2],
     /// Least and median share of the pixels that were traced while the camera moved.
     pub share: [f64; 2],
-    /// Hash of the linear image at each rest of the script.
+    /// Hash of the linear image at each rest of the script, before anti-aliasing.
     pub image_sha256: Vec<String>,
+    /// The same after it; `None` for each rest without.
+    pub antialiased_sha256: Vec<Option<String>>,
     /// Every frame.
     pub frames: Vec<FrameRow>,
 }
@@ -104,6 +106,7 @@ pub fn summarise(
         latency: [middle(&latencies), greatest(&latencies)],
         share: [shares.iter().copied().fold(1.0, f64::min), middle(&shares)],
         image_sha256: played.hashes.clone(),
+        antialiased_sha256: played.antialiased.clone(),
         frames,
     }
 }
@@ -200,6 +203,9 @@ impl fmt::Display for Summary {
         }
         for (index, hash) in self.image_sha256.iter().enumerate() {
             writeln!(f, "  rest {}     image {hash}", index + 1)?;
+            if let Some(Some(hash)) = self.antialiased_sha256.get(index) {
+                writeln!(f, "  rest {}     anti-aliased {hash}", index + 1)?;
+            }
         }
         Ok(())
     }

@@ -56,6 +56,7 @@ pub fn show_in_terminal(scene: &Scene, options: &RenderOptions, frame_time: Dura
     let tell = move |piece| drop(tell.send(piece));
     beside(scene, &options, frame_time, &link, tell, || {
         link.send(Event::Set(Setting::Play(true)));
+        link.send(Event::Set(Setting::AntiAliasing(true)));
         let mode = Mode::enter()?;
         let mut user = User { link: &link, ui: Ui::default(), mode, held: vec![], cursor: None };
         user.watch(&news)

@@ -14,6 +14,7 @@ use crate::{
 use std::path::Path;
 use std::time::Duration;
 
+mod finer;
 mod motion;
 
 /// A small picture, the plainest way.

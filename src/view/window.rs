@@ -63,6 +63,7 @@ pub fn open(scene: &Scene, options: &RenderOptions, frame_time: Duration) -> Res
     };
     beside(scene, options, frame_time, &link, tell, || {
         link.send(Event::Set(Setting::Play(true)));
+        link.send(Event::Set(Setting::AntiAliasing(true)));
         let mut app = App {
             link: &link,
             latest: &latest,

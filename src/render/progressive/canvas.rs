@@ -143,6 +143,15 @@ impl Canvas {
         }
     }
 
+    /// Stores the colours of a whole tile: on another film if there is one, else as those of [`Canvas::write`].
+    pub(super) fn write_to(&self, other: Option<&Film>, tile: Tile, pixels: &[Vec<f32>; 3], tone: &Tone) {
+        let [r, g, b] = pixels;
+        match other {
+            Some(film) => film.write_tile(tile, r, g, b),
+            None => self.write(Lattice::WHOLE, tile, pixels, tone),
+        }
+    }
+
     /// Measures anew how varied a part of one cell or more is; `level` is what all of it has reached.
     pub(super) fn measure(&self, area: Tile, level: Level) {
         let spacing = level.spacing();

@@ -62,6 +62,9 @@ const fn lattice(x: u32, y: u32, spacing: u32) -> Lattice {
 }
 
 impl Lattice {
+    /// Every pixel.
+    pub(super) const WHOLE: Lattice = lattice(0, 0, 1);
+
     /// The lattice's pixels within `area`, counted in the lattice's own columns and rows.
     pub(super) fn within(self, area: Tile) -> Tile {
         let count = |from: u32, first: u32| from.saturating_sub(first).div_ceil(self.spacing);
@@ -72,7 +75,6 @@ impl Lattice {
     }
 }
 
-const WHOLE: Lattice = lattice(0, 0, 1);
 const FOURTHS: Lattice = lattice(0, 0, 4);
 const SECONDS: Lattice = lattice(0, 0, 2);
 const CENTRES: Lattice = lattice(1, 1, 2);
@@ -89,7 +91,7 @@ pub(super) fn lattices(from: Level, to: Level) -> &'static [Lattice] {
         (Nothing, Sixteenth) => const { &[FOURTHS] },
         (Nothing, Quarter) => const { &[SECONDS] },
         (Nothing, Half) => const { &[SECONDS, CENTRES] },
-        (Nothing, Full) => const { &[WHOLE] },
+        (Nothing, Full) => const { &[Lattice::WHOLE] },
         (Sixteenth, Quarter) => const { &BETWEEN },
         (Sixteenth, Half) => const { UPWARDS.split_at(4).0 },
         (Sixteenth, Full) => const { &UPWARDS },

@@ -5,14 +5,18 @@
 //!   begin(camera) -> trace(tiles to levels)* -> fill -> picture
 //!                          ^ each raises the level of some tiles; who decides which is the caller
 //! ```
+//!
+//! From there on it can become the image of a render with [adaptive](crate::scene::RenderSettings::adaptive) samples.
 
 mod canvas;
 mod fill;
+mod finer;
 mod level;
 mod map;
 mod task;
 
 pub use canvas::{Canvas, Tone};
+pub use finer::Refined;
 pub use level::Level;
 pub use map::RayMap;
 
@@ -26,7 +30,11 @@ use crate::{
     tile::{Order, Tile, tiles},
 };
 use canvas::CELL;
-use std::sync::atomic::{AtomicBool, AtomicU32};
+use finer::Finer;
+use std::sync::{
+    OnceLock,
+    atomic::{AtomicBool, AtomicU32},
+};
 use std::time::Instant;
 use task::{Job, Pass, Refinement};
 
@@ -68,6 +76,13 @@ pub struct Traced {
     pub complete: bool,
 }
 
+impl Traced {
+    fn new(sum: &TileReport, stats: FrameStats, complete: bool) -> Traced {
+        let (trace_seconds, shade_seconds) = (sum.trace.as_secs_f64(), sum.shade.as_secs_f64());
+        Traced { rays: sum.rays, trace_seconds, shade_seconds, stats, complete }
+    }
+}
+
 /// Workers and an image that is being refined.
 pub struct Progressive<'m, 'a> {
     master: &'m mut Master<Refinement<'a>>,
@@ -76,6 +91,15 @@ pub struct Progressive<'m, 'a> {
     tone: Tone,
     size: [u32; 2],
     order: Order,
+    /// By how many samples, and from which difference on, an image becomes adaptive; `None` if none does.
+    finer_by: Option<(u32, f32)>,
+    /// The scene has adaptive samples.
+    adaptive: bool,
+    /// Pixels get one sample at first.
+    once: bool,
+    finer: Option<Finer>,
+    /// Films to be written over.
+    spare: Vec<Film>,
 }
 
 impl Stage<'_> {
@@ -111,8 +135,24 @@ impl Stage<'_> {
             canvas = Canvas::new(size);
         }
         canvas.clear(true);
-        with_workers(&Refinement { render, halt }, placement, |master| {
-            let mut session = Progressive { master, canvas, camera, tone: Tone::new(0.0), size, order };
+        let (rays, finer_by) = (OnceLock::new(), self.finer());
+        let finer = || finer_by.map(|(samples, _)| self.task_of(samples, &rays));
+        let task = Refinement { render, finer: OnceLock::new(), make_finer: &finer, halt };
+        with_workers(&task, placement, |master| {
+            let tone = Tone::new(0.0);
+            let mut session = Progressive {
+                master,
+                canvas,
+                camera,
+                tone,
+                size,
+                order,
+                finer_by,
+                adaptive: self.adaptive().is_some(),
+                once: false,
+                finer: None,
+                spare: vec![],
+            };
             let done = body(&mut session);
             *memory = session.canvas;
             done
@@ -125,6 +165,7 @@ impl Progressive<'_, '_> {
     pub fn begin(&mut self, camera: &CameraDescription, tone: &Tone) {
         self.camera = Camera::new(camera, self.size[0], self.size[1]);
         self.tone = tone.clone();
+        self.end_finer();
         self.canvas.clear(true);
     }
 
@@ -156,21 +197,15 @@ impl Progressive<'_, '_> {
         for target in targets {
             self.canvas.cells(target.tile).for_each(|cell| goals[cell] = target.level);
         }
-        let job =
-            Job::Trace { camera: self.camera, tone: self.tone.clone(), goals, limit, mode: schedule.film };
+        let (camera, tone, mode) = (self.camera, self.tone.clone(), schedule.film);
+        let job = Job::Trace { camera, tone, goals, once: self.once, limit, mode };
         let (mut sum, mut complete) = (TileReport::default(), true);
         let (_, stats) = self.run(schedule, job, &tiles, |pass, tile, output| {
             output.deliver(pass, tile);
             sum.add(&output.tile);
             complete &= !output.skipped;
         })?;
-        Ok(Traced {
-            rays: sum.rays,
-            trace_seconds: sum.trace.as_secs_f64(),
-            shade_seconds: sum.shade.as_secs_f64(),
-            stats,
-            complete,
-        })
+        Ok(Traced::new(&sum, stats, complete))
     }
 
     /// Puts the image into `picture`, row by row as 0x00rrggbb; pixels that are not traced are filled in.
@@ -269,9 +304,10 @@ impl Progressive<'_, '_> {
         self.traced() && !self.is_sketch()
     }
 
-    /// The traced pixels; others have values of no meaning.
+    /// The traced pixels, as they were before the image became adaptive; others have values of no meaning.
     pub fn film(&self) -> &Film {
-        &self.canvas.film
+        let kept = self.finer.as_ref().and_then(Finer::centres);
+        kept.unwrap_or(&self.canvas.film)
     }
 
     /// Number of workers.

@@ -9,17 +9,28 @@ use super::{
 };
 use crate::{
     camera::Camera,
-    render::task::{RenderTask, Scratch, TileReport},
+    film::Film,
+    render::{
+        passes as render,
+        task::{RenderTask, Scratch, TileReport},
+    },
     schedule::{FilmMode, TileTask},
     shade::Meter,
     tile::Tile,
 };
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{
+    OnceLock,
+    atomic::{AtomicBool, AtomicU32, Ordering},
+};
 use std::time::Instant;
 
 /// Everything that stays the same over many passes.
 pub(super) struct Refinement<'a> {
     pub(super) render: RenderTask<'a>,
+    /// What takes all samples of pixels, once somebody needs that, ...
+    pub(super) finer: OnceLock<Option<RenderTask<'a>>>,
+    /// ... and what makes it.
+    pub(super) make_finer: &'a (dyn Fn() -> Option<RenderTask<'a>> + Sync),
     /// While this is true, no further tile is begun of a pass that obeys it.
     pub(super) halt: &'a AtomicBool,
 }
@@ -36,8 +47,19 @@ pub(super) enum Job {
         tone: Tone,
         /// What each cell shall reach.
         goals: Vec<Level>,
+        /// Pixels get one sample.
+        once: bool,
         limit: Limit,
         mode: FilmMode,
+    },
+    /// A pass of an adaptive image.
+    Finer {
+        camera: Camera,
+        tone: Tone,
+        pass: render::Pass,
+        /// Where the first pass writes.
+        corners: Option<Film>,
+        until: Until,
     },
     Fill {
         picture: Vec<AtomicU32>,
@@ -46,6 +68,13 @@ pub(super) enum Job {
         camera: Camera,
         map: RayMap,
     },
+}
+
+/// How a pass of an adaptive image ends, beside being halted, and how its pixels travel.
+pub(super) struct Until {
+    /// From this moment on no further tile is begun.
+    pub(super) deadline: Instant,
+    pub(super) mode: FilmMode,
 }
 
 /// What a tile took, and its pixels.
@@ -93,6 +122,12 @@ impl TileTask for Refinement<'_> {
                     map.trace(&self.render.traversal, camera, tile, pass.canvas.film.width());
                 }
             }
+            Job::Finer { until, .. } => {
+                output.skipped = self.halt.load(Ordering::Relaxed) || Instant::now() > until.deadline;
+                if !output.skipped {
+                    self.take_samples(pass, tile, &mut buffers.render, output);
+                }
+            }
             Job::Trace { limit, .. } => {
                 output.skipped = match limit {
                     Limit::Whole => false,
@@ -137,7 +172,7 @@ impl Refinement<'_> {
         meter: &mut Meter,
         output: &mut Output,
     ) {
-        let Job::Trace { camera, tone, mode, .. } = &pass.job else { return };
+        let Job::Trace { camera, tone, once, mode, .. } = &pass.job else { return };
         if from >= to {
             return;
         }
@@ -146,7 +181,11 @@ impl Refinement<'_> {
             if part.is_empty() {
                 continue;
             }
-            self.render.colour(&camera.every(lattice.first, lattice.spacing), part, scratch, meter);
+            let camera = camera.every(lattice.first, lattice.spacing);
+            match once {
+                true => self.render.colour_once(&camera, part, scratch, meter),
+                false => self.render.colour(&camera, part, scratch, meter),
+            }
             match mode {
                 FilmMode::Shared => pass.canvas.write(lattice, part, &scratch.pixels, tone),
                 FilmMode::Messages => output.push(lattice, part, &mut scratch.pixels),
@@ -156,6 +195,22 @@ impl Refinement<'_> {
             pass.canvas.reach(area, to);
             pass.canvas.measure(area, to);
         }
+    }
+}
+
+impl Refinement<'_> {
+    /// The part of a pass of an adaptive image that belongs to a tile.
+    fn take_samples(&self, pass: &Pass, tile: Tile, scratch: &mut Scratch, output: &mut Output) {
+        let Job::Finer { camera, tone, pass: samples, corners, until } = &pass.job else { return };
+        let Some(render) = self.finer.get_or_init(self.make_finer) else { return };
+        let mut meter = Meter::start();
+        render.run_pass(samples, camera, tile, scratch, &mut meter);
+        match until.mode {
+            FilmMode::Shared => pass.canvas.write_to(corners.as_ref(), tile, &scratch.pixels, tone),
+            FilmMode::Messages => output.push(Lattice::WHOLE, tile, &mut scratch.pixels),
+        }
+        meter.shade();
+        output.tile.read(&meter);
     }
 }
 
@@ -173,11 +228,17 @@ impl Output {
 
     /// Master: puts the pixels where they belong, if they came as a message.
     pub(super) fn deliver(&self, pass: &Pass, tile: Tile) {
-        let Job::Trace { tone, goals, mode: FilmMode::Messages, .. } = &pass.job else { return };
+        let canvas = &pass.canvas;
         if self.skipped {
             return;
         }
-        let canvas = &pass.canvas;
+        if let Job::Finer { corners, tone, until: Until { mode: FilmMode::Messages, .. }, .. } = &pass.job {
+            let pieces = &self.pieces[..self.used];
+            return pieces
+                .iter()
+                .for_each(|piece| canvas.write_to(corners.as_ref(), tile, &piece.pixels, tone));
+        }
+        let Job::Trace { tone, goals, mode: FilmMode::Messages, .. } = &pass.job else { return };
         for Piece { lattice, part, pixels } in &self.pieces[..self.used] {
             canvas.write(*lattice, *part, pixels, tone);
         }

@@ -9,6 +9,7 @@
 //! at most one frame behind.
 
 mod bindings;
+mod cells;
 mod clock;
 mod draw;
 mod event;

@@ -2,6 +2,8 @@
 //! crossterm.
 
 use super::{
+    cells::Cells,
+    draw::Surface,
     event::{Button, Event},
     link::Link,
     picture::{News, Picture},
@@ -24,9 +26,7 @@ use crossterm::{
     execute,
     terminal::{self, EnterAlternateScreen, LeaveAlternateScreen},
 };
-use std::fmt::Write as _;
 use std::io::{self, IsTerminal, Write};
-use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -58,8 +58,16 @@ pub fn show_in_terminal(scene: &Scene, options: &RenderOptions, frame_time: Dura
         link.send(Event::Set(Setting::Play(true)));
         link.send(Event::Set(Setting::AntiAliasing(true)));
         let mode = Mode::enter()?;
-        let mut user = User { link: &link, ui: Ui::default(), mode, held: vec![], cursor: None };
-        user.watch(&news)
+        User {
+            link: &link,
+            ui: Ui::default(),
+            mode,
+            held: vec![],
+            cursor: None,
+            picture: None,
+            redraw: false,
+        }
+        .watch(&news)
     })
 }
 
@@ -129,6 +137,10 @@ struct User<'a> {
     /// Keys that are taken to be held, and until when.
     held: Vec<(String, Instant)>,
     cursor: Option<(u16, u16)>,
+    /// What is shown, ...
+    picture: Option<Box<Picture>>,
+    /// ... and is to be drawn again.
+    redraw: bool,
 }
 
 impl User<'_> {
@@ -147,7 +159,7 @@ impl User<'_> {
             loop {
                 match news.try_recv() {
                     Ok(News::Picture(picture)) => latest = Some(picture),
-                    Ok(News::Note(note)) => self.ui.note = Some(note),
+                    Ok(News::Note(note)) => (self.ui.note, self.redraw) = (Some(note), true),
                     Ok(News::Rest { .. }) => {}
                     Err(TryRecvError::Empty) => break,
                     Err(TryRecvError::Disconnected) => return Ok(()),
@@ -157,20 +169,25 @@ impl User<'_> {
             tick = if busy { TICK } else { (tick * 2).min(IDLE_TICK) };
             if let Some(picture) = latest {
                 self.ui.note_picture(&picture);
-                self.draw(&picture)?;
-                self.link.give_back(picture.pixels);
+                if let Some(old) = self.picture.replace(picture) {
+                    self.link.give_back(old.pixels);
+                }
+                self.redraw = true;
+            }
+            if std::mem::take(&mut self.redraw) {
+                self.draw()?;
             }
         }
     }
 
-    fn draw(&self, picture: &Picture) -> Result<()> {
+    fn draw(&mut self) -> Result<()> {
+        let Some(picture) = &self.picture else { return Ok(()) };
         let frame = &picture.frame;
         let note = self.ui.note.clone().unwrap_or_else(|| {
             let ms = (frame.end - frame.start).as_secs_f64() * 1e3;
             format!("{:.0} % traced, {ms:.1} ms, {}; escape quits", frame.share * 100.0, frame.modes)
         });
-        let pixels: Vec<u32> = picture.pixels.iter().map(|pixel| pixel.load(Ordering::Relaxed)).collect();
-        let text = half_blocks(&pixels, picture.size) + &status(&note, picture.size[0] as usize);
+        let text = drawn(&mut self.ui, picture).text() + &status(&note, picture.size[0] as usize);
         let entered = entered();
         if entered.is_none() {
             return Ok(());
@@ -233,7 +250,8 @@ impl User<'_> {
                 Wish::Send(Event::Quit) => return true,
                 Wish::Send(event) => self.link.send(event),
                 // What is copied stands in the note; the terminal's own selection takes it from there.
-                Wish::Copy(_) | Wish::FullScreen | Wish::Redraw => {}
+                Wish::Copy(_) | Wish::FullScreen => {}
+                Wish::Redraw => self.redraw = true,
             }
         }
         false
@@ -253,24 +271,13 @@ impl User<'_> {
     }
 }
 
-/// The picture as text: the upper pixel of each character is its foreground, the lower one its background.
-fn half_blocks(pixels: &[u32], [width, height]: [u32; 2]) -> String {
-    let mut text = String::with_capacity(pixels.len() * 8);
-    let at = |x: u32, y: u32| pixels[(y.min(height - 1) * width + x) as usize];
-    for row in 0..height.div_ceil(2) {
-        let _ = write!(text, "\x1b[{};1H", row + 1);
-        let mut last = None;
-        for x in 0..width {
-            let colors = [at(x, 2 * row), at(x, 2 * row + 1)];
-            if last.replace(colors) != Some(colors) {
-                let [[_, r, g, b], [_, r2, g2, b2]] = colors.map(u32::to_be_bytes);
-                let _ = write!(text, "\x1b[38;2;{r};{g};{b};48;2;{r2};{g2};{b2}m");
-            }
-            text.push('\u{2580}');
-        }
-        text.push_str("\x1b[0m");
-    }
-    text
+/// The picture as the terminal shows it, with all that the window would lay over it but notes.
+fn drawn(ui: &mut Ui, picture: &Picture) -> Cells {
+    let mut pixels = vec![0; picture.pixels.len()];
+    let painted = ui.paint(picture, &mut Surface { size: picture.size, pixels: &mut pixels });
+    let mut cells = Cells::of(&pixels, picture.size);
+    cells.write(painted.into_iter().chain(ui.figures()).chain(ui.help()));
+    cells
 }
 
 /// The line below the picture.
@@ -298,15 +305,6 @@ fn name_of(code: KeyCode) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn two_pixels_share_a_character_and_equal_colours_are_told_once() {
-        let text = half_blocks(&[0x0001_0203, 0x0001_0203, 0x000a_0b0c, 0x000a_0b0c], [2, 2]);
-        assert_eq!(text, "\x1b[1;1H\x1b[38;2;1;2;3;48;2;10;11;12m\u{2580}\u{2580}\x1b[0m");
-        // An odd last row stands for itself.
-        let odd = half_blocks(&[1, 2, 3], [1, 3]);
-        assert!(odd.ends_with("\x1b[2;1H\x1b[38;2;0;0;3;48;2;0;0;3m\u{2580}\x1b[0m"), "{odd:?}");
-    }
 
     #[test]
     fn no_terminal_is_too_small_and_notes_stay_in_their_line() {

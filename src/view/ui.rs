@@ -10,11 +10,14 @@ use super::{
     picture::Picture,
 };
 use crate::scene::CameraDescription;
+use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
-/// Width of the bar of a worker's time, in characters.
-const BAR: u32 = 24;
+/// Width of the bar of a worker's time, in characters, ...
+pub(super) const BAR: u32 = 24;
+/// ... and where it begins in its line.
+pub(super) const BAR_AT: u32 = 11;
 /// Colours of a worker's time: busy, and idle at the start, for work, to deliver, at the end.
 const LOADS: [u32; 5] = [0x0058_a55c, 0x0045_6a9a, 0x00c8_a23c, 0x00b0_5fa0, 0x00b8_4a3c];
 
@@ -136,6 +139,17 @@ impl Ui {
 
     /// Puts the picture and what lies over it on a surface of any size.
     pub fn compose(&mut self, picture: &Picture, surface: &mut Surface, scale: Scale) {
+        let painted = self.paint(picture, surface);
+        let note = self.note.clone().map(|note| Panel { lines: vec![note], loads: vec![] });
+        let [cell, line] = scale.cell();
+        let mut top = line / 2;
+        for panel in painted.into_iter().chain(self.figures()).chain(note).chain(self.help()) {
+            top += panel.draw(surface, [cell, top], scale) + line / 2;
+        }
+    }
+
+    /// Puts the picture on a surface of any size, with the map or the difference that is wanted, and tells what it means.
+    pub(super) fn paint(&mut self, picture: &Picture, surface: &mut Surface) -> Option<Panel> {
         if std::mem::take(&mut self.freeze) {
             self.frozen = Some(Frozen {
                 size: picture.size,
@@ -145,41 +159,61 @@ impl Ui {
             });
         }
         let frozen = self.frozen.as_ref().filter(|frozen| self.difference && frozen.size == picture.size);
-        let [cell, line] = scale.cell();
-        let mut top = line / 2;
-        let mut tell = |surface: &mut Surface, lines: &[String]| {
-            let at = [cell, top];
-            top += surface.lines(at, scale, lines)[1] + line / 2;
-            at
-        };
-        match (frozen, &self.tint) {
+        let lines = match (frozen, &self.tint) {
             (Some(frozen), _) => {
                 copy(picture, surface, |i, pixel| apart(pixel, frozen.pixels[i]));
-                tell(surface, &compared(picture, frozen));
+                compared(picture, frozen)
             }
             (None, Some((colors, text))) => {
                 copy(picture, surface, |i, pixel| mixed(pixel, colors[i]));
-                tell(surface, std::slice::from_ref(text));
+                vec![text.clone()]
             }
-            (None, None) => copy(picture, surface, |_, pixel| pixel),
-        }
-        if self.show_figures {
-            let (mut lines, loads) = (self.figures.lines(), self.figures.loads());
-            let bars = lines.len() as u32;
-            let room = " ".repeat(BAR as usize);
-            lines.extend(loads.iter().enumerate().map(|(i, _)| format!("worker {i:<3}{room}")));
-            let [left, top] = tell(surface, &lines);
-            for (i, load) in loads.iter().enumerate() {
-                let at = [left + 11 * cell, top + line / 2 + (bars + i as u32) * line + 2];
-                bar(surface, at, [BAR * cell, line.saturating_sub(4)], load);
+            (None, None) => {
+                copy(picture, surface, |_, pixel| pixel);
+                return None;
             }
+        };
+        Some(Panel { lines, loads: vec![] })
+    }
+
+    /// The figures, if they are to be shown.
+    pub(super) fn figures(&self) -> Option<Panel> {
+        let panel = || Panel { lines: self.figures.lines(), loads: self.figures.loads() };
+        self.show_figures.then(panel)
+    }
+
+    /// The keys, if they are to be shown.
+    pub(super) fn help(&self) -> Option<Panel> {
+        self.help.then(|| Panel { lines: help(), loads: vec![] })
+    }
+}
+
+/// Text over the picture, and below it the times of workers as bars.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Panel {
+    pub(super) lines: Vec<String>,
+    /// See [`Figures::loads`].
+    pub(super) loads: Vec<[f64; 5]>,
+}
+
+impl Panel {
+    /// The text, with room for the bars.
+    pub(super) fn text(&self) -> Vec<String> {
+        let room = " ".repeat(BAR as usize);
+        let workers = (0..self.loads.len()).map(|i| format!("worker {i:<3} {room}"));
+        self.lines.iter().cloned().chain(workers).collect()
+    }
+
+    /// Draws it from (left, top) on; returns its height.
+    fn draw(&self, surface: &mut Surface, [left, top]: [u32; 2], scale: Scale) -> u32 {
+        let [cell, line] = scale.cell();
+        let [_, height] = surface.lines([left, top], scale, &self.text());
+        for (i, load) in self.loads.iter().enumerate() {
+            let row = (self.lines.len() + i) as u32;
+            let at = [left + (1 + BAR_AT) * cell, top + line / 2 + row * line + 2];
+            bar(surface, at, [BAR * cell, line.saturating_sub(4)], load);
         }
-        if let Some(note) = &self.note {
-            tell(surface, std::slice::from_ref(note));
-        }
-        if self.help {
-            tell(surface, &help());
-        }
+        height
     }
 }
 
@@ -219,13 +253,19 @@ fn mixed(pixel: u32, color: u32) -> u32 {
 
 /// A worker's time as a bar.
 fn bar(surface: &mut Surface, [x, y]: [u32; 2], [width, height]: [u32; 2], load: &[f64; 5]) {
+    for (range, color) in parts(load, width) {
+        surface.block([x + range.start, y], [range.end - range.start, height], color);
+    }
+}
+
+/// A worker's time as parts of a bar of this width, and their colours.
+pub(super) fn parts(load: &[f64; 5], width: u32) -> impl Iterator<Item = (Range<u32>, u32)> {
     let (mut sum, mut from) = (0.0, 0);
-    for (part, color) in load.iter().zip(LOADS) {
+    load.iter().zip(LOADS).map(move |(part, color)| {
         sum += part;
         let to = (sum * f64::from(width)).round() as u32;
-        surface.block([x + from, y], [to - from, height], color);
-        from = to;
-    }
+        (std::mem::replace(&mut from, to)..to, color)
+    })
 }
 
 /// The picture, changed pixel by pixel, and stretched if the surface has another size by now.

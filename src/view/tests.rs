@@ -15,6 +15,9 @@ use std::path::Path;
 use std::time::Duration;
 
 mod finer;
+mod keys;
+mod maps;
+mod modes;
 mod motion;
 
 /// A small picture, the plainest way.

@@ -10,6 +10,7 @@ mod reasons;
 mod same;
 mod sources;
 mod spheres;
+mod terminator;
 
 use crate::support::{RENDER, mesh_of};
 use glam::Vec3;

@@ -278,7 +278,7 @@ impl RenderTask<'_> {
         meter.shade();
         let traced = match *light {
             Light::Point { position, .. } | Light::Spot { position, .. } => {
-                rays.trace_from(&self.traversal, position, surfaces, shadows, &mut seeds[index])
+                rays.trace_from(&self.traversal, position, shadows, &mut seeds[index])
             }
             Light::Directional { direction, .. } => {
                 rays.directional_blocks(surfaces, direction, blocks);

@@ -27,8 +27,9 @@ pub struct RenderSettings {
     pub cutoff: f32,
     /// Triangles whose material emits (`ke`) light the others, with soft shadows. Otherwise they only glow.
     pub emitters: bool,
-    /// Shadow rays of meshes with smooth normals start on the curved surface that the normals stand for, so that the edges
-    /// of triangles do not show where light grazes (J. Hanika, "Hacking the Shadow Terminator", 2021).
+    /// Shadow rays of meshes with smooth normals start on the curved surface that the normals stand for, and light that is
+    /// above it counts, so that the edges of triangles do not show where light grazes (J. Hanika, "Hacking the Shadow
+    /// Terminator", 2021).
     pub smooth_terminator: bool,
     /// Effects that are left out although the scene calls for them.
     pub without: EffectSet,

@@ -26,6 +26,8 @@ pub struct LightRays {
     lift: f32,
     /// Face as seen from the light; 6 where the surface cannot be lit.
     pub face: Vec<u32>,
+    /// The triangle that the ray leaves out: the surface's, unless the light shines from below it.
+    skip: Vec<u32>,
     /// 1 where the light may reach the surface, 0 where it cannot or is blocked.
     pub visible: Vec<f32>,
 }
@@ -36,6 +38,7 @@ impl LightRays {
             plane.resize(len, 0.0);
         }
         self.face.resize(len, NO_FACE);
+        self.skip.resize(len, MISS);
     }
 
     /// The ray from the surface of ray `i` towards a directional light that shines along `direction`.
@@ -45,7 +48,7 @@ impl LightRays {
 
     fn directional_ray_from(&self, points: &Planes, surfaces: &Surfaces, i: usize, direction: Vec3) -> Ray {
         let org = [0, 1, 2].map(|k| points[k][i] + surfaces.ng[k][i] * self.lift);
-        Ray { org, dir: (-direction).to_array(), tnear: 0.0, tfar: f32::INFINITY, skip: surfaces.prim[i] }
+        Ray { org, dir: (-direction).to_array(), tnear: 0.0, tfar: f32::INFINITY, skip: self.skip[i] }
     }
 
     /// The same for all surfaces that may be lit, sixteen to a block; lane = surface.
@@ -58,12 +61,11 @@ impl LightRays {
         &mut self,
         traversal: &Traversal,
         origin: Vec3,
-        surfaces: &Surfaces,
         shadows: &mut PointShadows,
         seed: &mut NodeRef,
     ) -> Traced {
-        let LightRays { u, v, limit, face, visible, .. } = self;
-        let rays = ShadowRays { u, v, tfar: limit, skip: &surfaces.prim, face };
+        let LightRays { u, v, limit, face, skip, visible, .. } = self;
+        let rays = ShadowRays { u, v, tfar: limit, skip, face };
         shadows.trace(traversal, origin.to_array(), &rays, seed, visible)
     }
 
@@ -96,7 +98,7 @@ impl LightRays {
             Light::Point { position, .. } | Light::Spot { position, .. } => {
                 let org = [0, 1, 2].map(|k| starts[k][i]);
                 let dir = [0, 1, 2].map(|k| position[k] - org[k]);
-                Ray { org, dir, tnear: 0.0, tfar: 1.0, skip: surfaces.prim[i] }
+                Ray { org, dir, tnear: 0.0, tfar: 1.0, skip: self.skip[i] }
             }
         });
     }
@@ -139,15 +141,16 @@ pub fn light_rays(
     light: &Light,
     rays: &mut LightRays,
 ) {
-    light_rays_to(kernels, table, surfaces, &surfaces.point, light, rays);
+    light_rays_to(kernels, table, surfaces, [&surfaces.point, &surfaces.ng], light, rays);
 }
 
-/// The same for rays that end at `points`, somewhere above the surfaces.
+/// The same for rays that end at `points`, somewhere above the surfaces, from lights above the planes there that have the
+/// normals `horizon`.
 pub(super) fn light_rays_to(
     kernels: &Kernels,
     table: &SurfaceTable,
     surfaces: &Surfaces,
-    points: &Planes,
+    [points, horizon]: [&Planes; 2],
     light: &Light,
     rays: &mut LightRays,
 ) {
@@ -155,12 +158,12 @@ pub(super) fn light_rays_to(
     match *light {
         Light::Point { position, .. } | Light::Spot { position, .. } => {
             let error = table.point_error + ROUNDING * position.abs().max_element();
-            kernels.run(FromPoint { surfaces, points, position, error, rays });
+            kernels.run(FromPoint { surfaces, points, horizon, position, error, rays });
         }
         Light::Directional { direction, .. } => {
             // The 1-norm of a unit vector is at most the square root of three.
             rays.lift = 1.75 * table.point_error;
-            kernels.run(FromDirection { surfaces, direction, rays });
+            kernels.run(FromDirection { surfaces, horizon, direction, rays });
         }
     }
 }
@@ -168,6 +171,7 @@ pub(super) fn light_rays_to(
 struct FromPoint<'a> {
     surfaces: &'a Surfaces,
     points: &'a Planes,
+    horizon: &'a Planes,
     position: Vec3,
     error: f32,
     rays: &'a mut LightRays,
@@ -186,8 +190,7 @@ impl Kernel for FromPoint<'_> {
             let point = load3(s, self.points, at);
             let ng = load3(s, &surfaces.ng, at);
             let d = [point[0] - light[0], point[1] - light[1], point[2] - light[2]];
-            let toward = -dot(ng, d);
-            let facing = hit_lanes(s, surfaces, at) & F32::splat(s, 0.0).lt(toward);
+            let facing = faces(s, surfaces, self.horizon, at, d, &mut rays.skip);
             let depth = d[0].abs().max(d[1].abs()).max(d[2].abs());
             let norm = ng[0].abs() + ng[1].abs() + ng[2].abs();
             let lift = (F32::splat(s, self.error) + F32::splat(s, ROUNDING) * depth) * norm;
@@ -211,6 +214,7 @@ impl Kernel for FromPoint<'_> {
 
 struct FromDirection<'a> {
     surfaces: &'a Surfaces,
+    horizon: &'a Planes,
     direction: Vec3,
     rays: &'a mut LightRays,
 }
@@ -223,12 +227,30 @@ impl Kernel for FromDirection<'_> {
         let (surfaces, rays) = (self.surfaces, self.rays);
         let d = splat3::<S>(s, self.direction);
         for at in (0..surfaces.len()).step_by(16) {
-            let ng = load3(s, &surfaces.ng, at);
-            let toward = -dot(ng, d);
-            let facing = hit_lanes(s, surfaces, at) & F32::splat(s, 0.0).lt(toward);
+            let facing = faces(s, surfaces, self.horizon, at, d, &mut rays.skip);
             facing.select(F32::splat(s, 1.0), F32::splat(s, 0.0)).store_at(&mut rays.visible, at);
         }
     }
+}
+
+/// Lanes whose surfaces face light that shines along `d`, and what its rays leave out there.
+#[inline(always)]
+fn faces<S: Simd>(
+    s: S,
+    surfaces: &Surfaces,
+    horizon: &Planes,
+    at: usize,
+    d: [F32<S, 16>; 3],
+    skip: &mut [u32],
+) -> Mask<S, 16> {
+    let zero = F32::splat(s, 0.0);
+    let prims: &[u32; 16] = surfaces.prim[at..at + 16].try_into().expect("16 lanes");
+    let facing = hit_lanes(s, surfaces, at) & zero.lt(-dot(load3(s, horizon, at), d));
+    // On a smooth surface, light may come from below the triangle, which is in its way unless it passes beside it.
+    let below = facing & zero.le(dot(load3(s, &surfaces.ng, at), d));
+    let skip: &mut [u32; 16] = (&mut skip[at..at + 16]).try_into().expect("16 lanes");
+    below.iselect(I32::splat(s, MISS), I32::load(s, prims)).store(skip);
+    facing
 }
 
 /// Lanes whose ray hit something.

@@ -36,7 +36,9 @@
 //! A coarse mesh with smooth normals is shaded as the curved surface it stands for, but shadowed as flat triangles, whose
 //! edges show where light grazes. [`bulge`] moves the hit point onto that surface: J. Hanika, "Hacking the Shadow
 //! Terminator", Ray Tracing Gems II (2021), chapter 4. It points away from the triangle, so that the start stays on
-//! its side.
+//! its side. From there light is seen above the tangent plane of the curved surface, also where that is below the
+//! triangle's: a triangle that faces away as a whole would otherwise be dark up to its edges. It may be in the way then,
+//! and is not left out.
 
 use crate::kernels::{F32, Lanes};
 

@@ -2,7 +2,7 @@
 
 use super::{table::PathTable, wide};
 use crate::{
-    kernels::{F32, HitBlock, Kernel, MISS, Mask, SUB, Simd},
+    kernels::{F32, HitBlock, I32, Kernel, MISS, Mask, SUB, Simd},
     shade::{
         SurfaceTable, Surfaces,
         spawn::{Footing, bulge},
@@ -23,6 +23,8 @@ pub(crate) struct Ground {
     pub(super) through: Planes,
     /// Where rays from lights end: the hit point, or the smooth surface above it.
     pub(super) end: Planes,
+    /// Unit normals of the planes above which light is seen: those of the triangles, or of the smooth surface.
+    pub(super) horizon: Planes,
     /// 1 where the ray came from outside, by the order of the corners; else -1.
     pub(super) side: Vec<f32>,
     /// Share of the surface that is there.
@@ -38,7 +40,8 @@ pub(crate) struct Ground {
 impl Ground {
     /// Makes room for `len` rays, a multiple of 16.
     pub(crate) fn resize(&mut self, len: usize) {
-        let planes = [&mut self.out, &mut self.through, &mut self.end, &mut self.ke, &mut self.ambient];
+        let Ground { out, through, end, horizon, ke, ambient, .. } = self;
+        let planes = [out, through, end, horizon, ke, ambient];
         let [b1, b2] = &mut self.b;
         let single = [b1, b2, &mut self.distance, &mut self.side, &mut self.alpha, &mut self.highlight];
         for plane in planes.into_iter().flatten().chain(single) {
@@ -63,7 +66,8 @@ impl Ground {
 }
 
 /// Finds the starts of spawned rays, for surfaces that are finished. `POINT`: also replaces the hit points by those that the
-/// barycentric weights give, which are closer to the triangle. `BULGE`: rays start on the smooth surface.
+/// barycentric weights give, which are closer to the triangle. `BULGE`: rays start on the smooth surface, and what lies above
+/// that is seen; shading normals must not be bent yet.
 pub(super) struct Stand<'a, const POINT: bool, const BULGE: bool> {
     pub(super) table: &'a SurfaceTable,
     pub(super) paths: &'a PathTable<'a>,
@@ -116,28 +120,36 @@ impl<const POINT: bool, const BULGE: bool> Kernel for Stand<'_, POINT, BULGE> {
             }
             if BULGE {
                 let [na, nb, nc] = &normals;
-                let turned = side.sign();
-                let normals = [
-                    wide::flip(wide::load(s, na), turned),
-                    wide::flip(wide::load(s, nb), turned),
-                    wide::flip(wide::load(s, nc), turned),
-                ];
+                let [na, nb, nc] = [wide::load(s, na), wide::load(s, nb), wide::load(s, nc)];
+                // To the viewer's side as the shading normal was, whatever the order of the corners says.
+                let rest = wide::add(wide::scale(nb, b[0]), wide::scale(nc, b[1]));
+                let turned = wide::dot(wide::add(wide::scale(na, one - b[0] - b[1]), rest), ng).sign();
+                let normals = [wide::flip(na, turned), wide::flip(nb, turned), wide::flip(nc, turned)];
                 let by = bulge(s, &corners, &normals, &ng, &footing.point, b);
                 let moved = footing.moved(s, &by);
                 store3(moved.point, &mut ground.end, at);
                 store3(moved.start(s, &ng), &mut ground.out, at);
+                store3(load3(s, &surfaces.ns, at), &mut ground.horizon, at);
             } else {
                 store3(load3(s, &surfaces.point, at), &mut ground.end, at);
                 store3(footing.start(s, &ng), &mut ground.out, at);
+                store3(ng, &mut ground.horizon, at);
             }
         }
     }
 }
 
+/// What rays along `dir` from surfaces leave out: the triangles that they start on, unless they lead below them.
+#[inline(always)]
+pub(super) fn left_out<S: Simd>(s: S, surfaces: &Surfaces, at: usize, dir: wide::V3<S>) -> I32<S, 16> {
+    let above = F32::splat(s, 0.0).lt(wide::dot(load3(s, &surfaces.ng, at), dir));
+    above.iselect(wide::lanes(s, &surfaces.prim, at), I32::splat(s, MISS))
+}
+
 /// Lanes whose ray hit something.
 #[inline(always)]
 pub(super) fn lanes_hit<S: Simd>(s: S, surfaces: &Surfaces, at: usize) -> Mask<S, 16> {
-    let missed = wide::lanes(s, &surfaces.prim, at).eq(crate::kernels::I32::splat(s, MISS));
+    let missed = wide::lanes(s, &surfaces.prim, at).eq(I32::splat(s, MISS));
     Mask::from_bits(s, !missed.bits() & 0xffff)
 }
 

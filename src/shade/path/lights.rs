@@ -38,14 +38,14 @@ impl Integrator<'_> {
         let kernels = self.traversal.kernels();
         let Sample { surfaces, scratch, shadows, seeds, meter, .. } = sample;
         let PathScratch { ground, light_rays: rays, blocks, blocked, stream, filter, .. } = &mut **scratch;
-        light_rays_to(kernels, self.table, surfaces, &ground.end, light, rays);
+        light_rays_to(kernels, self.table, surfaces, [&ground.end, &ground.horizon], light, rays);
         meter.shade();
         let shadowed = self.paths.set.has(Effect::HardShadows);
         let tinted = shadowed && self.paths.filters;
         let traced = match *light {
             _ if !shadowed => Traced::default(),
             Light::Point { position, .. } | Light::Spot { position, .. } if !self.paths.filters => {
-                rays.trace_from(&self.traversal, position, surfaces, shadows, &mut seeds[index])
+                rays.trace_from(&self.traversal, position, shadows, &mut seeds[index])
             }
             _ => {
                 rays.towards(light, surfaces, [&ground.end, &ground.out], blocks);

@@ -80,6 +80,7 @@ pub struct PathScratch {
     places: Squares,
     scattered: Scattered,
     bounced: Planes,
+    skip: Vec<u32>,
     blocks: Vec<RayBlock>,
     blocked: Vec<u16>,
     arriving: Planes,

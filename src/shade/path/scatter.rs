@@ -4,7 +4,7 @@
 //! Distribution of Visible Normals", JCGT 2018); Snell's law, with total reflection where it has no solution.
 
 use super::{
-    ground::{Ground, load3, store3},
+    ground::{Ground, left_out, load3, store3},
     source::{Squares, cosine_weighted},
     table::PathTable,
     wide::{self, V3},
@@ -234,8 +234,11 @@ fn lambda<S: Simd>(s: S, cosine: F32<S, 16>, alpha: F32<S, 16>) -> F32<S, 16> {
 /// Directions of diffuse reflection.
 pub(super) struct Bounce<'a> {
     pub(super) surfaces: &'a Surfaces,
+    pub(super) ground: &'a Ground,
     pub(super) squares: &'a Squares,
     pub(super) dir: &'a mut Planes,
+    /// What the rays leave out.
+    pub(super) skip: &'a mut [u32],
 }
 
 impl Kernel for Bounce<'_> {
@@ -243,12 +246,15 @@ impl Kernel for Bounce<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        for at in (0..self.surfaces.len()).step_by(SUB) {
-            let square = [F32::load_at(s, &self.squares[0], at), F32::load_at(s, &self.squares[1], at)];
-            let dir = cosine_weighted(s, self.surfaces, square, at);
-            // Below the triangle there is nothing: no ray.
-            let up = F32::splat(s, 0.0).lt(wide::dot(dir, load3(s, &self.surfaces.ng, at)));
-            store3(wide::select(up, dir, [F32::splat(s, 0.0); 3]), self.dir, at);
+        let Bounce { surfaces, ground, squares, dir: dirs, skip } = self;
+        for at in (0..surfaces.len()).step_by(SUB) {
+            let square = [F32::load_at(s, &squares[0], at), F32::load_at(s, &squares[1], at)];
+            let dir = cosine_weighted(s, surfaces, square, at);
+            // Below the surface there is nothing: no ray.
+            let up = F32::splat(s, 0.0).lt(wide::dot(dir, load3(s, &ground.horizon, at)));
+            store3(wide::select(up, dir, [F32::splat(s, 0.0); 3]), dirs, at);
+            let skip: &mut [u32; SUB] = (&mut skip[at..at + SUB]).try_into().expect("16 lanes");
+            left_out(s, surfaces, at, dir).store(skip);
         }
     }
 }

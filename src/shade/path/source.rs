@@ -1,11 +1,11 @@
 //! Samples of sources with an extent: a point of a light or a direction of the sky for each surface, as shadow rays.
 
 use super::{
-    ground::{Ground, lanes_hit, load3},
+    ground::{Ground, lanes_hit, left_out, load3},
     wide::{self, V3},
 };
 use crate::{
-    kernels::{F32, I32, Kernel, Mask, RayBlock, SUB, Simd},
+    kernels::{F32, Kernel, Mask, RayBlock, SUB, Simd},
     scene::AreaLight,
     shade::{Surfaces, surface::Planes, table::ROUNDING, trig::sin_cos},
 };
@@ -77,7 +77,6 @@ impl Kernel for Connect<'_> {
                 continue;
             }
             let start = load3(s, &ground.out, at);
-            let ng = load3(s, &surfaces.ng, at);
             let square = [F32::load_at(s, &squares[0], at), F32::load_at(s, &squares[1], at)];
             let point = match source {
                 Source::Area(AreaLight::Rectangle { corner, edge_u, edge_v, radiance, two_sided }) => {
@@ -110,13 +109,13 @@ impl Kernel for Connect<'_> {
             let size = d[0].abs().max(d[1].abs()).max(d[2].abs());
             let lift = F32::splat(s, 1.75 * error) + F32::splat(s, ROUNDING) * size;
             let dir = wide::add(d, wide::scale(point.normal, lift));
-            let facing = zero.lt(wide::dot(ng, dir));
+            let facing = zero.lt(wide::dot(load3(s, &ground.horizon, at), dir));
             block.active = (hit & facing & point.valid).bits() as u16;
             wide::store(start, &mut block.org);
             wide::store(dir, &mut block.dir);
             zero.store(&mut block.tnear);
             F32::splat(s, 1.0).store(&mut block.tfar);
-            wide::lanes(s, &surfaces.prim, at).store(&mut block.skip);
+            left_out(s, surfaces, at, dir).store(&mut block.skip);
             let share = F32::splat(s, share);
             for k in 0..3 {
                 (point.value[k] * share).store_at(&mut arriving[k], at);
@@ -206,14 +205,13 @@ pub(super) fn outward<S: Simd>(
     reach: f32,
     block: &mut RayBlock,
 ) {
-    let up = F32::splat(s, 0.0).lt(wide::dot(load3(s, &surfaces.ng, at), dir));
+    let up = F32::splat(s, 0.0).lt(wide::dot(load3(s, &ground.horizon, at), dir));
     block.active = (lanes_hit(s, surfaces, at) & up).bits() as u16;
     wide::store(load3(s, &ground.out, at), &mut block.org);
     wide::store(dir, &mut block.dir);
     F32::splat(s, 0.0).store(&mut block.tnear);
     F32::splat(s, reach).store(&mut block.tfar);
-    let skip: I32<S, 16> = wide::lanes(s, &surfaces.prim, at);
-    skip.store(&mut block.skip);
+    left_out(s, surfaces, at, dir).store(&mut block.skip);
 }
 
 /// Unit directions about the shading normals with a density of cosine / pi, by two numbers in [0, 1).

@@ -111,9 +111,10 @@ impl Integrator<'_> {
         self.squares(sample, Purpose::Bounce as u32, 0, 1);
         let settings = &self.paths.scene.settings;
         let Sample { surfaces, scratch, .. } = sample;
-        let PathScratch { ground, states, weight, queue, squares, bounced: dir, .. } = &mut **scratch;
+        let PathScratch { ground, states, weight, queue, squares, bounced: dir, skip, .. } = &mut **scratch;
         dir.iter_mut().for_each(|plane| plane.resize(surfaces.len(), 0.0));
-        self.traversal.kernels().run(Bounce { surfaces, squares, dir });
+        skip.resize(surfaces.len(), MISS);
+        self.traversal.kernels().run(Bounce { surfaces, ground, squares, dir, skip });
         for (ray, state) in states.iter().enumerate() {
             let prim = surfaces.prim[ray];
             if prim == MISS || state.bounces >= settings.bounces || (0..3).all(|k| dir[k][ray] == 0.0) {
@@ -133,7 +134,7 @@ impl Integrator<'_> {
                 spread: DIFFUSE_SPREAD,
                 ..onward(state, ground.distance[ray])
             };
-            queue.push(&ray_from(&ground.out, dir, ray, prim), state, share);
+            queue.push(&ray_from(&ground.out, dir, ray, skip[ray]), state, share);
         }
     }
 }

@@ -5,6 +5,8 @@ mod box_light;
 mod ends;
 mod glass;
 mod gloss;
+mod leaning;
+mod once;
 mod pictures;
 mod reasons;
 mod same;

@@ -5,7 +5,7 @@ use crate::support::{RENDER, mesh_of};
 use glam::{Vec2, Vec3};
 use irt::{
     render::{RenderOptions, render},
-    scene::{CameraDescription, Light, Material, Scene, Texture, Wrap},
+    scene::{AreaLight, CameraDescription, Environment, Falloff, Light, Material, Scene, Texture, Wrap},
     schedule::Control,
 };
 
@@ -78,14 +78,67 @@ fn behind_glass_nothing_weakens_light_any_more() {
 
 #[test]
 fn shadow_rays_take_the_tint_of_glass() {
-    let pane = rectangle(Vec3::new(-9.0, 2.0, -9.0), 18.0 * Vec3::Z, 18.0 * Vec3::X);
     let tf = Vec3::new(1.0, 0.5, 0.25);
-    let mut scene = over_the_floor(&pane, [matt(0.5), Material { tf, d: 0.5, ..glass(0.0) }]);
-    scene.lights.push(Light::Directional { direction: -Vec3::Y, intensity: Vec3::splat(2.0) });
-    // From below the pane.
-    let got = radiance(&scene, Vec3::new(1.0, 1.0, 0.0), Vec3::ZERO);
-    for k in 0..3 {
-        close(got[k], 0.5 * f64::from(tf[k]), 1.0e-5, "half of it is clear");
+    let pane = |height| rectangle(Vec3::new(-4e3, height, -4e3), 8e3 * Vec3::Z, 8e3 * Vec3::X);
+    let (direction, intensity, position) = (-Vec3::Y, Vec3::splat(2.0), 100.0 * Vec3::Y);
+    let sun = Light::Directional { direction, intensity };
+    let point = Light::Point { position, intensity, falloff: Falloff::None };
+    let sphere = AreaLight::Sphere { center: position, radius: 1.0, radiance: Vec3::splat(2.0e4) };
+    // A pane may also have holes, of any opacity.
+    let half = Texture::new("half", [1, 1], vec![[0.5; 4]], Wrap::Repeat);
+    for (panes, map_d) in [(1, None), (3, None), (5, None), (1, Some(0)), (3, Some(0))] {
+        let all: Vec<_> = (0..panes).flat_map(|number| pane(2.0 + 0.1 * number as f32)).collect();
+        let clear = Material { tf, d: 0.5, map_d, ..glass(0.0) };
+        let mut scene = over_the_floor(&all, [matt(0.5), clear]);
+        scene.mesh.uvs = vec![Vec2::ZERO; scene.mesh.positions.len()];
+        scene.textures.push(half.clone());
+        let tint = tf.to_array().map(|tf| {
+            let through = 0.5 * f64::from(tf);
+            (if map_d.is_some() { 0.5 + 0.5 * through } else { through }).powi(panes)
+        });
+        // From below the panes.
+        let check = |scene: &Scene, within: f64, what: &str| {
+            let got = radiance(scene, Vec3::new(1.0, 1.0, 0.0), Vec3::ZERO);
+            (0..3).for_each(|k| close(got[k], tint[k], within, &format!("{what}, {panes} panes, {map_d:?}")));
+        };
+        for light in [sun, point] {
+            check(&Scene { lights: vec![light], ..scene.clone() }, 1.0e-5, "light");
+        }
+        check(&Scene { area_lights: vec![sphere], ..scene.clone() }, 1.0e-3, "sphere");
+        let environment = Environment { light: true, ..Environment::default() };
+        check(&Scene { background: intensity, environment, ..scene.clone() }, 1.0e-5, "sky");
+    }
+}
+
+#[test]
+fn rays_go_on_as_long_as_any_colour_of_them_counts() {
+    let ks = Vec3::new(0.0, 0.5, 0.25);
+    let mut scene = scene(&floor(), Material { ks, illum: 3, ..matt(0.0) });
+    scene.background = Vec3::ONE;
+    for (cutoff, seen) in [(0.0, true), (0.5, true), (0.6, false)] {
+        scene.settings.cutoff = cutoff;
+        let got = radiance(&scene, Vec3::new(1.0, 1.0, 0.0), Vec3::ZERO);
+        assert_eq!(got, if seen { ks } else { Vec3::ZERO }, "{cutoff}");
+    }
+}
+
+#[test]
+fn pictures_blur_by_the_width_of_the_ray_on_the_surface() {
+    // Two by two texels, one unit wide; of the only smaller version, the mean, as much is mixed in as the logarithm to base 2
+    // of the ray's width in texels.
+    let mut scene = scene(&floor(), Material { ke: Vec3::ONE, map_ke: Some(0), ..matt(0.0) });
+    let checks = [[1.0, 1.0, 1.0, 1.0], [0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0], [1.0; 4]];
+    scene.textures.push(Texture::new("checks", [2, 2], checks.to_vec(), Wrap::Repeat));
+    scene.mesh.uvs = scene.mesh.positions.iter().map(|p| Vec2::new(p.x, p.z)).collect();
+    let pixel = 2.0 * 0.005f64.to_radians().tan();
+    for (distance, degrees) in [(4000.0f64, 0.0f64), (2062.0, 75.0), (2062.0, 60.0), (900.0, 80.0)] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let level = (2.0 * distance * pixel / cos.sqrt()).log2().clamp(0.0, 1.0);
+        let at = Vec3::new(0.75, 0.0, 0.25);
+        let eye = at + Vec3::new((distance * sin) as f32, (distance * cos) as f32, 0.0);
+        let got = f64::from(radiance(&scene, eye, at).x);
+        let texel = if got < 0.5 { 0.0 } else { 1.0 };
+        close(got as f32, texel + (0.5 - texel) * level, 5.0e-3, &format!("{distance}, {degrees} degrees"));
     }
 }
 

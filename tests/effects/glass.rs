@@ -2,7 +2,7 @@
 
 use super::{close, cuboid, floor, radiance, scene};
 use glam::Vec3;
-use irt::scene::{Environment, Material, Scene, Sky};
+use irt::scene::{Environment, Light, Material, Scene, Sky};
 
 fn glass(ni: f32, absorption: Vec3) -> Material {
     Material { kd: Vec3::ZERO, d: 0.0, ni, illum: 7, absorption, ..Material::default() }
@@ -19,7 +19,7 @@ fn halves(scene: &mut Scene, up: f32, down: f32) {
 }
 
 /// Reflectance by the amplitudes of both polarisations as functions of the angles alone (Fresnel's sine and tangent laws).
-fn reflectance(theta: f64, ni: f64) -> f64 {
+pub(super) fn reflectance(theta: f64, ni: f64) -> f64 {
     if theta == 0.0 {
         return ((ni - 1.0) / (ni + 1.0)).powi(2);
     }
@@ -102,6 +102,11 @@ fn glass_that_is_tinted_and_only_partly_clear_takes_its_share() {
     for k in 0..3 {
         close(got[k], [0.75, 0.375, 0.0][k], 1.0e-5, "tint");
     }
+    // What is not clear reflects diffusely.
+    scene.materials[0].kd = Vec3::splat(0.8);
+    scene.environment.sky = Sky::Background;
+    scene.lights.push(Light::Directional { direction: -Vec3::Y, intensity: Vec3::ONE });
+    close(radiance(&scene, 2.0 * Vec3::Y, Vec3::ZERO).x, 0.25 * 0.8, 1.0e-5, "kd");
 }
 
 #[test]

@@ -34,6 +34,11 @@ fn images_colour_reflection_ambient_light_and_emission() {
     scene.ambient = Vec3::splat(0.4);
     assert_eq!(radiance(&scene, EYE, Vec3::new(-0.7, 0.1, 0.0)), Vec3::new(0.2, 0.0, 0.0));
     assert_eq!(radiance(&scene, EYE, Vec3::new(0.7, 0.1, 0.0)), Vec3::new(0.0, 0.2, 0.0));
+    // Of other light, each pixel of the image takes its share.
+    let grey = Texture::new("grey", [1, 1], vec![[0.5, 0.25, 0.75, 1.0]], Wrap::Repeat);
+    let mut lit = Scene { textures: vec![grey], ambient: Vec3::ZERO, ..scene.clone() };
+    lit.lights.push(Light::Directional { direction: -Vec3::Z, intensity: Vec3::ONE });
+    assert_eq!(radiance(&lit, EYE, Vec3::new(-0.7, 0.1, 0.0)), Vec3::new(0.25, 0.125, 0.375));
     // Ambient reflectance of its own has its own colour.
     scene.materials[0].ka = Vec3::splat(0.75);
     assert_eq!(radiance(&scene, EYE, Vec3::new(-0.7, 0.1, 0.0)), Vec3::splat(0.4 * 0.75));
@@ -113,6 +118,61 @@ fn normals_from_images_bend_the_light() {
     }
 }
 
+#[test]
+fn normals_from_images_are_as_strong_as_told_and_the_same_from_behind() {
+    let lean = 0.5 + 0.5 * 0.5f32.sqrt();
+    for (strength, degrees) in [(1.0, 45.0f32), (0.5, 0.5f32.atan().to_degrees()), (-1.0, -45.0)] {
+        let bump = Some(Bump { texture: 1, kind: BumpKind::Normal, strength });
+        let mut scene = square(Material { bump, ..matt(0.5) });
+        scene.textures.push(Texture::new("normals", [1, 1], vec![[lean, 0.5, lean, 1.0]], Wrap::Repeat));
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let normal = Vec3::new(sin, 0.0, cos);
+        for side in [1.0, -1.0] {
+            let direction = -side * normal;
+            scene.lights = vec![Light::Directional { direction, intensity: Vec3::ONE }];
+            let got = radiance(&scene, side * EYE, Vec3::ZERO).x;
+            close(got, 0.5, 1.0e-3, &format!("strength {strength}, side {side}"));
+        }
+    }
+}
+
+#[test]
+fn normals_from_images_do_not_bend_away_from_the_viewer() {
+    let lean = 0.5 + 0.5 * 0.5f32.sqrt();
+    let bump = Some(Bump { texture: 1, kind: BumpKind::Normal, strength: 1.0 });
+    let mut scene = square(Material { bump, ..matt(0.5) });
+    scene.textures.push(Texture::new("normals", [1, 1], vec![[lean, 0.5, lean, 1.0]], Wrap::Repeat));
+    let direction = -Vec3::new(1.0, 0.0, 1.0).normalize();
+    scene.lights.push(Light::Directional { direction, intensity: Vec3::ONE });
+    for (x, cosine) in [(1.0, 1.0), (-0.9, 1.0), (-1.1, 0.5f64.sqrt()), (-3.0, 0.5f64.sqrt())] {
+        close(
+            radiance(&scene, Vec3::new(x, 0.0, 1.0), Vec3::ZERO).x,
+            0.5 * cosine,
+            1.0e-3,
+            &format!("from {x}"),
+        );
+    }
+}
+
+#[test]
+fn through_many_holes_one_sees_what_is_behind() {
+    // Five panes before a mirror.
+    let panes: Vec<_> = (0..6)
+        .flat_map(|i| rectangle(Vec3::new(-9.0, -9.0, -(i as f32)), 18.0 * Vec3::X, 18.0 * Vec3::Y))
+        .collect();
+    let mut scene = scene(&panes, Material { map_d: Some(0), ke: Vec3::ONE, ..matt(0.0) });
+    scene.mesh.uvs = vec![Vec2::ZERO; scene.mesh.positions.len()];
+    scene.textures.push(Texture::new("half", [1, 1], vec![[0.5; 4]], Wrap::Repeat));
+    scene.background = Vec3::splat(9.0);
+    scene.materials.push(Material { ks: Vec3::ONE, illum: 3, ..matt(0.0) });
+    scene.mesh.materials = vec![0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1];
+    // Holes are no reflections: no depth limits them.
+    scene.settings.max_depth = 1;
+    // Half of each pane shines, and of what is behind all, 1 in 32 is left: the panes again, and the sky.
+    let want = |behind: f64| (31.0 + behind) / 32.0;
+    close(radiance(&scene, EYE, Vec3::ZERO).x, want(want(9.0)), 1.0e-5, "five panes");
+}
+
 fn column(scene: &Scene, size: [u32; 2]) -> Vec<f32> {
     let options = RenderOptions { size, ..RENDER };
     let rendered = render(scene, &options, &Control::unattended()).expect("renders");
@@ -139,6 +199,16 @@ fn a_lens_blurs_what_is_out_of_focus_by_the_width_of_its_cone() {
     scene.settings.depth_of_field = Some(DepthOfField { aperture, focus: 8.0 });
     let width = blurred(&scene) as f32;
     assert!((width - 10.0).abs() <= 2.0, "{width} pixels");
+    // The share of a disc of radius 5 pixels on one side of the edge, over the width of a pixel.
+    let share = |x: f64| {
+        let t = (x / 5.0).clamp(-1.0, 1.0);
+        0.5 + (t * (1.0 - t * t).sqrt() + t.asin()) / std::f64::consts::PI
+    };
+    for (at, got) in column(&scene, [201, 3]).into_iter().enumerate() {
+        let x = at as f64 - 100.0;
+        let want = (0..10).map(|i| share(x + (f64::from(i) - 4.5) / 10.0) / 10.0).sum::<f64>();
+        assert!((f64::from(got) - want).abs() < 0.02, "{x}: {got}, not {want}");
+    }
 }
 
 #[test]

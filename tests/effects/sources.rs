@@ -1,8 +1,8 @@
 //! Direct light of sources with and without extent on a plane, and their shadows.
 
 use super::{close, floor, matt, radiance, rectangle, scene};
-use glam::Vec3;
-use irt::scene::{AreaLight, Environment, Falloff, Light, Material, Scene, Sky, SkyMap};
+use glam::{Vec2, Vec3};
+use irt::scene::{AreaLight, Environment, Falloff, Light, Material, Scene, Sky, SkyMap, Texture, Wrap};
 use std::f64::consts::PI;
 
 /// Share of the hemisphere, weighted by the cosine, that a rectangle a x b takes up at height h over a point of a parallel
@@ -14,7 +14,7 @@ fn form_factor(a: f64, b: f64, h: f64) -> f64 {
 }
 
 /// The same for a rectangle from (x0, z0) to (x1, z1), seen from above the origin.
-fn over_origin([x0, x1]: [f64; 2], [z0, z1]: [f64; 2], h: f64) -> f64 {
+pub(super) fn over_origin([x0, x1]: [f64; 2], [z0, z1]: [f64; 2], h: f64) -> f64 {
     let corner = |x: f64, z: f64| x.signum() * z.signum() * form_factor(x.abs(), z.abs(), h);
     corner(x1, z1) - corner(x0, z1) - corner(x1, z0) + corner(x0, z0)
 }
@@ -80,8 +80,20 @@ fn a_sphere_lights_a_plane_like_a_point_of_its_solid_angle() {
         let light = AreaLight::Sphere { center, radius, radiance: Vec3::splat(4.0) };
         let distance = f64::from(center.length());
         let want = 0.5 * 4.0 * (f64::from(radius) / distance).powi(2) * f64::from(center.y) / distance;
-        close(radiance(&lit_by(light, 1024), EYE, Vec3::ZERO).x, want, 0.005, "sphere");
+        let mut scene = lit_by(light, 1024);
+        close(radiance(&scene, EYE, Vec3::ZERO).x, want, 0.005, "sphere");
+        // What is inside of it is behind its surface.
+        let plate =
+            rectangle(center - 0.3 * radius * Vec3::ONE, 0.6 * radius * Vec3::X, 0.6 * radius * Vec3::Z);
+        scene.mesh = super::scene(&[floor(), plate].concat(), matt(0.5)).mesh;
+        close(radiance(&scene, EYE, Vec3::ZERO).x, want, 0.005, "sphere with something inside");
     }
+}
+
+#[test]
+fn inside_of_a_light_that_is_a_sphere_it_is_dark() {
+    let light = AreaLight::Sphere { center: Vec3::Y, radius: 1.5, radiance: Vec3::ONE };
+    assert_eq!(radiance(&lit_by(light, 16), EYE, Vec3::ZERO), Vec3::ZERO);
 }
 
 #[test]
@@ -101,6 +113,20 @@ fn emitting_triangles_light_like_a_rectangle() {
     close(radiance(&scene, EYE, Vec3::ZERO).x, want, 0.01, "triangles, by samples of the pixel");
     (scene.settings.samples, scene.settings.light_samples) = (1, 1024);
     assert_eq!(radiance(&scene, EYE, Vec3::new(0.0, 1.5, 0.6)), Vec3::splat(2.0), "and is seen");
+    // Another lamp of other size and colour, by a picture that is red up to a fifth of it and green in the rest.
+    let (x, z, h) = ([-3.0, 1.0], [-2.0, -1.0], 1.0);
+    triangles.extend(rectangle(Vec3::new(-3.0, 1.0, -2.0), 4.0 * Vec3::X, Vec3::Z));
+    scene.mesh = super::scene(&triangles, matt(0.5)).mesh;
+    scene.mesh.materials = vec![0, 0, 1, 1, 2, 2];
+    scene.mesh.uvs = scene.mesh.positions.iter().map(|p| Vec2::new(0.25 * (p.x + 3.0), p.z + 2.0)).collect();
+    scene.materials.push(Material { ke: Vec3::new(1.0, 4.0, 0.0), map_ke: Some(0), ..matt(0.0) });
+    let colour = |column| if column < 20 { [1.0, 0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0, 1.0] };
+    scene.textures.push(Texture::new("lamp", [100, 1], (0..100).map(colour).collect(), Wrap::Clamp));
+    scene.settings.light_samples = 4096;
+    let got = radiance(&scene, EYE, Vec3::ZERO);
+    close(got.x, want + 0.5 * over_origin([x[0], -2.2], z, h), 0.01, "red");
+    close(got.y, want + 0.5 * 4.0 * over_origin([-2.2, x[1]], z, h), 0.01, "green");
+    close(got.z, want, 0.02, "blue");
 }
 
 #[test]

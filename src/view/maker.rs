@@ -23,6 +23,8 @@ const LARGEST_TILE: u32 = 256;
 pub(super) const REST_PASS: f64 = 0.1;
 /// A frame has no time for another pass in less than this, in seconds.
 const SHORTEST_PASS: f64 = 1.0e-3;
+/// Between two looks at keys that move nothing.
+const SHORTEST_PAUSE: Duration = Duration::from_millis(1);
 
 /// What lasts when the workers are made anew.
 pub(super) struct Kept {
@@ -126,6 +128,9 @@ impl<'r, 'm, 'a> Maker<'r, 'm, 'a> {
             } else if !self.state.moving() && !self.is_finest() {
                 self.antialias()?;
                 told = false;
+            } else if self.state.moving() {
+                // By keys that hold each other: nobody has to look again at once.
+                std::thread::sleep(SHORTEST_PAUSE);
             }
         }
     }

@@ -272,7 +272,7 @@ impl User<'_> {
 }
 
 /// The picture as the terminal shows it, with all that the window would lay over it but notes.
-fn drawn(ui: &mut Ui, picture: &Picture) -> Cells {
+pub(super) fn drawn(ui: &mut Ui, picture: &Picture) -> Cells {
     let mut pixels = vec![0; picture.pixels.len()];
     let painted = ui.paint(picture, &mut Surface { size: picture.size, pixels: &mut pixels });
     let mut cells = Cells::of(&pixels, picture.size);

@@ -14,11 +14,13 @@ use crate::{
 use std::path::Path;
 use std::time::Duration;
 
+mod end;
 mod finer;
 mod keys;
 mod maps;
 mod modes;
 mod motion;
+mod terminal;
 
 /// A small picture, the plainest way.
 pub(super) const OPTIONS: RenderOptions = RenderOptions {

@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn panels_stand_below_one_another_over_a_darker_picture() {
-        let mut cells = Cells::of(&[0x00ff_ffff; 40 * 12], [40, 12]);
+        let mut cells = Cells::of(&[0x00c0_8040; 40 * 12], [40, 12]);
         let load = [0.5, 0.25, 0.0, 0.0, 0.25];
         let panel =
             |line: &str, loads: &[[f64; 5]]| Panel { lines: vec![line.into()], loads: loads.to_vec() };
@@ -157,8 +157,8 @@ mod tests {
             one.starts_with(" one \u{2580}") && two.starts_with(" two ") && worker.starts_with(" worker 0 ")
         );
         let rows: Vec<&[Cell]> = cells.rows().collect();
-        assert_eq!(rows[0][1], Cell { glyph: 'o', fore: TEXT, back: 0x003f_3f3f });
-        assert_eq!(rows[1][0], Cell { glyph: '\u{2580}', fore: 0x00ff_ffff, back: 0x00ff_ffff });
+        assert_eq!(rows[0][1], Cell { glyph: 'o', fore: TEXT, back: 0x0030_2010 });
+        assert_eq!(rows[1][0], Cell { glyph: '\u{2580}', fore: 0x00c0_8040, back: 0x00c0_8040 });
         let colors: Vec<u32> = rows[3][12..36].iter().map(|cell| cell.back).collect();
         let count = |color| colors.iter().filter(|&&c| c == color).count();
         assert_eq!([count(colors[0]), count(colors[12]), count(colors[23])], [12, 6, 6]);

@@ -54,15 +54,16 @@ fn workers_have_a_colour_each_on_their_own_tiles() {
 }
 
 #[test]
-fn times_are_by_tile_and_the_longest_is_red() {
+fn times_are_by_tile_and_the_longest_are_red() {
     let maps = maps("0 set overlay time\n0 rest", |picture| Some(picture.frame.spans.clone()));
     let (colors, _, spans) = maps.last().unwrap();
     let slowness = |span: &crate::schedule::Span| (span.end - span.start) / span.tile.len() as f64;
     let color = |span: &crate::schedule::Span| colors[(span.tile.y * 150 + span.tile.x) as usize];
-    let slowest = spans.iter().max_by(|a, b| slowness(a).total_cmp(&slowness(b))).unwrap();
-    let quickest = spans.iter().min_by(|a, b| slowness(a).total_cmp(&slowness(b))).unwrap();
-    assert_eq!(color(slowest), 0x00ff_0000);
-    assert_ne!(color(quickest), 0x00ff_0000);
+    let mut sorted: Vec<_> = spans.iter().collect();
+    sorted.sort_by(|a, b| slowness(a).total_cmp(&slowness(b)));
+    let slowest = &sorted[sorted.len() * 19 / 20..];
+    assert!(slowest.iter().all(|span| color(span) == 0x00ff_0000), "from the 95th percentile on");
+    assert_ne!(color(sorted[0]), 0x00ff_0000);
     for span in spans {
         let tile = span.tile;
         let rows = (tile.y..tile.y + tile.height).map(|y| (y * 150 + tile.x) as usize);
@@ -73,27 +74,34 @@ fn times_are_by_tile_and_the_longest_is_red() {
 
 #[test]
 fn samples_tell_how_far_each_square_is_traced() {
-    let script = "0 set overlay samples\n0 set frame-time 1\n0 press d\n0.1 rest";
-    let maps = maps(script, |picture| Some((picture.frame.levels.clone(), picture.frame.share)));
-    for (colors, _, (levels, share)) in &maps {
-        let mut traced = 0.0;
+    let script = Script::parse("0 set overlay samples\n0 rest", Path::new("test")).unwrap();
+    let mut maps = vec![];
+    play(&scene(), &SHARED_OUT, Duration::from_millis(33), &script, |_, picture, _| {
+        // At rest as it is, and as it might be on the way.
+        let levels = (0..10 * 7).map(|cell| Level::ALL[1 + cell / 3 % 4]).collect();
+        for levels in [picture.frame.levels.clone(), levels] {
+            let frame = Frame { levels, ..picture.frame.clone() };
+            let Picture { size, overlay, .. } = *picture;
+            let picture = Picture { size, overlay, frame, pixels: vec![], map: None, refined: None };
+            maps.extend(tint(&picture, Order::Hilbert, 16).map(|(colors, _)| (colors, picture.frame.levels)));
+        }
+        Ok(())
+    })
+    .unwrap();
+    for (colors, levels) in &maps {
         for (i, &color) in colors.iter().enumerate() {
-            let level = levels[i / 150 / 16 * 10 + i % 150 / 16];
-            let expected = match level {
+            let expected = match levels[i / 150 / 16 * 10 + i % 150 / 16] {
                 Level::Nothing => panic!("a square without a pixel"),
                 Level::Sixteenth => 0x0000_00ff,
                 Level::Quarter => 0x0000_ff00,
                 Level::Half => 0x00ff_ff00,
                 Level::Full => 0x00ff_0000,
             };
-            assert_eq!(color, expected, "{level:?}");
-            traced += level.share() / colors.len() as f64;
+            assert_eq!(color, expected, "pixel {i}");
         }
-        assert!((traced - share).abs() < 0.05, "{traced} of {share}");
     }
-    let colors = |i: usize| maps[i].0.iter().collect::<BTreeSet<_>>();
-    assert!((0..maps.len()).any(|i| colors(i).len() > 1 || maps[i].2.1 < 1.0), "nothing was left out");
-    assert_eq!(colors(maps.len() - 1), BTreeSet::from([&0x00ff_0000]));
+    let rest = &maps[maps.len() - 2].0;
+    assert!(rest.iter().all(|&color| color == 0x00ff_0000), "at rest, every pixel is traced");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   corners       one sample through the corners of pixels ------> film ---+
-//!   centres       one sample through the centre of every pixel --> film ---+-> pixels that differ --> all their samples
+//!   centres       one sample through the centre of every pixel --> film ---+-> pixels that differ --> their samples
 //!   further ones      film of the pass before ------------------------------+-> the others ----------> as they are
 //! ```
 //!
@@ -12,8 +12,8 @@
 //!
 //! The thesis renders the borders of tiles as tasks of their own, so that neighbouring tiles do not trace them twice. Here
 //! a pass finds every neighbour, also those in other tiles, in the film of the pass before, so that no pixel is looked
-//! at twice and the image does not depend on tiles. A pixel that is refined has the samples that it would have in an image of that
-//! many samples everywhere.
+//! at twice and the image does not depend on tiles. A pixel that is refined has three eighths of its samples, and all of them
+//! if those scatter (`scatter.rs`).
 
 use super::task::{RenderTask, Scratch, packet_corners};
 use crate::{
@@ -193,12 +193,10 @@ impl RenderTask<'_> {
         differences.pixels.retain(|&at| !known.refined[known.index(at)].load(Ordering::Relaxed));
         differences.pixels.iter().for_each(|&at| refined[known.index(at)].store(true, Ordering::Relaxed));
         if !differences.pixels.is_empty() {
-            follow.refine(self, camera, &differences.pixels, scratch, meter);
-            let colors = scratch.path.finish(follow.samples());
-            for (plane, colors) in scratch.pixels.iter_mut().zip(colors) {
-                for (&[x, y], &color) in differences.pixels.iter().zip(colors) {
-                    plane[((y - tile.y) * tile.width + x - tile.x) as usize] = color;
-                }
+            follow.refine(self, camera, &differences.pixels, known.least, scratch, meter);
+            for (&[x, y], color) in differences.pixels.iter().zip(scratch.sums.means()) {
+                let at = ((y - tile.y) * tile.width + x - tile.x) as usize;
+                scratch.pixels.iter_mut().zip(color).for_each(|(plane, color)| plane[at] = color);
             }
         }
         scratch.differences = differences;

@@ -2,6 +2,7 @@
 
 use super::{
     RenderOptions,
+    scatter::{Series, Sums},
     task::{RenderTask, Scratch, packet_corners},
 };
 use crate::{
@@ -80,6 +81,7 @@ impl<'a> Follow<'a> {
             })
         });
         scratch.path.begin(rays.clone().count());
+        let series = Series { samples, seed: self.integrator.seed };
         for number in 0..samples {
             let shots = rays.clone().zip(0..).map(|([x, y], slot)| Shot {
                 pixel: camera.image_pixel([tile.x + x, tile.y + y]),
@@ -89,36 +91,69 @@ impl<'a> Follow<'a> {
             });
             scratch.shots.clear();
             scratch.shots.extend(shots);
-            self.shoot(task, camera, samples, scratch, meter);
+            self.shoot(task, camera, series, scratch, meter);
         }
     }
 
-    /// Adds up all samples of pixels of the image; their slots are their places in `pixels`. Those of one pixel fly
-    /// together: nothing is as coherent.
+    /// Adds up samples of pixels of the image in `scratch.sums`: all of them where the first ones scatter by more than
+    /// `least` allows, else only those.
     pub(super) fn refine(
         &self,
         task: &RenderTask,
         camera: &Camera,
         pixels: &[[u32; 2]],
+        least: f32,
         scratch: &mut Scratch,
         meter: &mut Meter,
     ) {
-        scratch.path.begin(pixels.len() + 1);
+        let (first, rest) = Series::parts(self.samples, self.integrator.seed);
+        let mut sums = std::mem::take(&mut scratch.sums);
+        sums.begin(pixels.len());
+        let mut left: Vec<u32> = (0..pixels.len() as u32).collect();
+        self.gather(task, camera, first, pixels, &left, &mut sums, scratch, meter);
+        if let Some(rest) = rest {
+            left.retain(|&at| sums.scatters(at, least));
+            self.gather(task, camera, rest, pixels, &left, &mut sums, scratch, meter);
+        }
+        scratch.sums = sums;
+    }
+
+    /// Adds the samples of a series to the sums of the `chosen` pixels. Those of one pixel fly together: nothing is as
+    /// coherent.
+    fn gather(
+        &self,
+        task: &RenderTask,
+        camera: &Camera,
+        series: Series,
+        pixels: &[[u32; 2]],
+        chosen: &[u32],
+        sums: &mut Sums,
+        scratch: &mut Scratch,
+        meter: &mut Meter,
+    ) {
         // Never two parts of a pixel's samples in one batch: they are added in one order, whoever is beside them.
-        let numbers = (self.samples as usize).min(BATCH);
-        let together = BATCH / numbers;
-        let nowhere = Shot { pixel: [0; 2], number: 0, slot: pixels.len() as u32, wanted: false };
-        for (batch, some) in pixels.chunks(together).enumerate() {
-            for first in (0..self.samples).step_by(numbers) {
-                let numbers = first..self.samples.min(first + numbers as u32);
+        let numbers = (series.samples as usize).min(BATCH);
+        let nowhere = Shot { pixel: [0; 2], number: 0, slot: BATCH as u32, wanted: false };
+        for some in chosen.chunks(BATCH / numbers) {
+            for first in (0..series.samples).step_by(numbers) {
+                let numbers = first..series.samples.min(first + numbers as u32);
                 scratch.shots.clear();
-                for (&pixel, slot) in some.iter().zip((batch * together) as u32..) {
-                    let shot = |number| Shot { pixel, number, slot, wanted: true };
-                    scratch.shots.extend(numbers.clone().map(shot));
-                }
+                let shots = some.iter().flat_map(|&at| numbers.clone().map(move |number| (at, number)));
+                scratch.shots.extend(shots.zip(0..).map(|((at, number), slot)| Shot {
+                    pixel: pixels[at as usize],
+                    number,
+                    slot,
+                    wanted: true,
+                }));
                 let whole = scratch.shots.len().next_multiple_of(TILE_RAYS);
                 scratch.shots.resize(whole, nowhere);
-                self.shoot(task, camera, self.samples, scratch, meter);
+                scratch.path.begin(BATCH + 1);
+                self.shoot(task, camera, series, scratch, meter);
+                for (samples, &at) in (0..).step_by(numbers.len()).zip(some) {
+                    for slot in samples..samples + numbers.len() {
+                        sums.add(at, scratch.path.sum(slot));
+                    }
+                }
             }
         }
     }
@@ -128,16 +163,16 @@ impl<'a> Follow<'a> {
         &self,
         task: &RenderTask,
         camera: &Camera,
-        samples: u32,
+        series: Series,
         scratch: &mut Scratch,
         meter: &mut Meter,
     ) {
-        scratch.path.begin_rays(camera, &scratch.shots, self.integrator.seed);
+        scratch.path.begin_rays(camera, &scratch.shots, series.seed);
         match self.lens {
-            None => self.see(task, camera, samples, scratch, meter),
-            Some(lens) => self.look_through(lens, camera, samples, scratch),
+            None => self.see(task, camera, series, scratch, meter),
+            Some(lens) => self.look_through(lens, camera, series, scratch),
         }
-        let mut sample = sample(scratch, meter, samples);
+        let mut sample = sample(scratch, meter, series.samples);
         if self.lens.is_some() {
             self.integrator.trace(&mut sample);
         }
@@ -160,7 +195,7 @@ impl<'a> Follow<'a> {
         &self,
         task: &RenderTask,
         camera: &Camera,
-        samples: u32,
+        series: Series,
         scratch: &mut Scratch,
         meter: &mut Meter,
     ) {
@@ -173,7 +208,7 @@ impl<'a> Follow<'a> {
             for (ray, shot) in shots[index * TILE_RAYS..][..TILE_RAYS].iter().enumerate() {
                 wanted[ray / SUB] |= u16::from(shot.wanted) << (ray % SUB);
                 // From the image's first pixel on: rounded alike in every packet, so that the image has one hash.
-                [places[0][ray], places[1][ray]] = self.place(shot, samples);
+                [places[0][ray], places[1][ray]] = place(shot, series);
             }
             camera.jittered_rays(kernels, [0; 2], wanted, &places, packets)
         });
@@ -181,30 +216,19 @@ impl<'a> Follow<'a> {
         scratch.shots = shots;
     }
 
-    /// Where a ray goes through the image, in pixels from the centre of the first one.
-    fn place(&self, &Shot { pixel: [x, y], number, .. }: &Shot, samples: u32) -> [f32; 2] {
-        let centre = [x as f32, y as f32];
-        if samples == 1 {
-            return centre;
-        }
-        let key = pixel_key(x, y, self.integrator.seed);
-        let moved = Samples::new(samples, key, Purpose::Pixel as u32).get(number);
-        [0, 1].map(|axis| centre[axis] + (moved[axis] - 0.5))
-    }
-
     /// Rays through a lens go into the queue.
-    fn look_through(&self, lens: DepthOfField, camera: &Camera, samples: u32, scratch: &mut Scratch) {
+    fn look_through(&self, lens: DepthOfField, camera: &Camera, series: Series, scratch: &mut Scratch) {
         scratch.path.begin_queue();
         for (block, shots) in scratch.shots.as_chunks::<SUB>().0.iter().enumerate() {
             let mut squares = [[0.0; SUB]; 2];
             for (lane, shot) in shots.iter().enumerate() {
-                let key = pixel_key(shot.pixel[0], shot.pixel[1], self.integrator.seed);
-                let square = Samples::new(samples, key, Purpose::Lens as u32).get(shot.number);
+                let key = pixel_key(shot.pixel[0], shot.pixel[1], series.seed);
+                let square = Samples::new(series.samples, key, Purpose::Lens as u32).get(shot.number);
                 [squares[0][lane], squares[1][lane]] = square;
             }
             let [across, up] = self.integrator.traversal.kernels().run(Disc(&squares));
             for (lane, shot) in shots.iter().enumerate().filter(|(_, shot)| shot.wanted) {
-                let at = self.place(shot, samples);
+                let at = place(shot, series);
                 let ray = camera.lens_ray(at, [across[lane], up[lane]], lens.aperture, lens.focus);
                 scratch.path.push_camera_ray(block * SUB + lane, &ray);
             }
@@ -215,4 +239,14 @@ impl<'a> Follow<'a> {
 fn sample<'a>(scratch: &'a mut Scratch, meter: &'a mut Meter, samples: u32) -> Sample<'a> {
     let Scratch { surfaces, path, shadows, seeds, .. } = scratch;
     Sample { surfaces, scratch: path, shadows, seeds, meter, samples }
+}
+
+/// Where a ray goes through the image, in pixels from the centre of the first one.
+fn place(&Shot { pixel: [x, y], number, .. }: &Shot, Series { samples, seed }: Series) -> [f32; 2] {
+    let centre = [x as f32, y as f32];
+    if samples == 1 {
+        return centre;
+    }
+    let moved = Samples::new(samples, pixel_key(x, y, seed), Purpose::Pixel as u32).get(number);
+    [0, 1].map(|axis| centre[axis] + (moved[axis] - 0.5))
 }

@@ -15,6 +15,7 @@ mod adaptive;
 mod follow;
 mod passes;
 mod progressive;
+mod scatter;
 mod seeds;
 mod session;
 mod stage;

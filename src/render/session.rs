@@ -228,7 +228,7 @@ impl Source<RenderTask<'_>> for Again {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{adaptive::tests::differing, passes::REFINEMENTS};
+    use super::super::{adaptive::tests::differing, passes::REFINEMENTS, scatter::Series};
     use super::*;
     use crate::{
         bvh::BuildPreset,
@@ -251,7 +251,7 @@ mod tests {
     }
 
     /// The image of a frame, seen through corners instead of centres if so.
-    fn film(scene: &Scene, of_corners: bool) -> Film {
+    fn film(scene: &Scene, of_corners: bool, seed: u64) -> Film {
         let options = RenderOptions {
             isa: None,
             kernel: KernelChoice::Tile,
@@ -264,7 +264,7 @@ mod tests {
             size: [97, 61],
             frames: 1,
             build: BuildPreset::Fast,
-            seed: 0,
+            seed,
             early: EarlyTermination::FASTEST,
             effects: EffectChoice::Auto,
         };
@@ -282,8 +282,15 @@ mod tests {
 
     #[test]
     fn an_adaptive_image_is_what_its_definition_says_pass_by_pass() {
-        let (one, corners) = (film(&scene(1, None), false), film(&scene(1, None), true));
-        let (all, adaptive) = (film(&scene(6, None), false), film(&scene(6, Some(LEAST)), false));
+        let (first, rest) = Series::parts(16, 7);
+        let rest = rest.unwrap();
+        assert_eq!((first.samples, rest.samples), (6, 10));
+        let part = |Series { samples, seed }| film(&scene(samples, None), false, seed);
+        let (some_film, more_film) = (part(first), part(rest));
+        let (one, corners) = (film(&scene(1, None), false, 7), film(&scene(1, None), true, 7));
+        let adaptive = film(&scene(16, Some(LEAST)), false, 7);
+        let at = |film: &Film, [x, y]: [u32; 2]| film.row(y).nth(x as usize).unwrap();
+        let mut whole = 0;
         let (expected, mut refined, mut passes) = (one, BTreeSet::new(), vec![]);
         for _ in 0..REFINEMENTS {
             let more: Vec<_> = differing([&expected, &corners], LEAST)
@@ -291,12 +298,18 @@ mod tests {
                 .filter(|&[x, y]| refined.insert([x, y]))
                 .collect();
             for &[x, y] in &more {
-                let [r, g, b] = all.row(y).nth(x as usize).unwrap();
+                let ([r, g, b], some, more) = (at(&adaptive, [x, y]), at(&some_film, [x, y]), at(&more_film, [x, y]));
+                if [r, g, b] != some {
+                    let all = [0, 1, 2].map(|k| (6.0 * some[k] + 10.0 * more[k]) / 16.0);
+                    assert!([r, g, b].iter().zip(all).all(|(a, b)| (a - b).abs() < 1e-6), "{x}, {y}");
+                    whole += 1;
+                }
                 expected.write_tile(Tile { x, y, width: 1, height: 1 }, &[r], &[g], &[b]);
             }
             passes.push(more.len());
         }
         assert!(passes[0] > 300 && passes[1] > 10 && refined.len() < 97 * 61 * 3 / 4, "{passes:?}");
+        assert!(whole > 100 && whole + 100 < refined.len(), "{whole} of {}", refined.len());
         assert_eq!(adaptive.sha256(), expected.sha256(), "{passes:?}");
     }
 }

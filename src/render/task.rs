@@ -5,6 +5,7 @@ use super::{
     adaptive::Differences,
     follow::Follow,
     passes::Pass,
+    scatter::Sums,
     seeds::{HitSeeds, NONE},
 };
 use crate::{
@@ -101,6 +102,7 @@ pub(super) struct Scratch {
     pub(super) path: PathScratch,
     pub(super) shots: Vec<Shot>,
     pub(super) differences: Differences,
+    pub(super) sums: Sums,
     pub(super) pixels: [Vec<f32>; 3],
 }
 
@@ -147,6 +149,7 @@ impl TileTask for RenderTask<'_> {
             path: PathScratch::default(),
             shots: Vec::new(),
             differences: Differences::default(),
+            sums: Sums::default(),
             pixels: [Vec::new(), Vec::new(), Vec::new()],
         }
     }

@@ -155,6 +155,11 @@ impl PathScratch {
         self.queue.push(ray, self.states[index], [1.0; 3]);
     }
 
+    /// What has been added up in a slot.
+    pub(crate) fn sum(&self, slot: usize) -> [f32; 3] {
+        [0, 1, 2].map(|k| self.sum[k][slot])
+    }
+
     /// The colours, with the mean over the samples taken.
     pub(crate) fn finish(&mut self, samples: u32) -> &Planes {
         if samples > 1 {

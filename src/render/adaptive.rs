@@ -23,10 +23,23 @@ use crate::{
     shade::Meter,
     tile::Tile,
 };
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Which pixels of an image have all their samples, row by row. Atomic as a film's pixels are.
-type Marks = Vec<AtomicBool>;
+/// Which pixels of an image are refined, row by row. Atomic as a film's pixels are.
+type Marks = Vec<AtomicU32>;
+
+/// The pass that refines a pixel, from 1 on, and the samples that it has then: see [`mark`].
+const PASS_BITS: u32 = 30;
+
+/// Of a pixel that the pass has refined.
+fn mark(pass: u32, samples: u32) -> u32 {
+    pass << PASS_BITS | samples
+}
+
+/// The samples of a pixel, beside those that tell whether it differs.
+fn samples_of(mark: u32) -> u32 {
+    (mark & ((1 << PASS_BITS) - 1)).max(1)
+}
 
 /// What is known of an image beside its pixels.
 #[derive(Debug)]
@@ -36,14 +49,16 @@ pub(super) struct Known {
     /// Colours that differ by no more are taken for the same.
     least: f32,
     refined: Marks,
+    /// Passes that have refined.
+    passes: u32,
 }
 
 impl Known {
     /// Before any pixel is refined.
     pub(super) fn new(corners: Film, least: f32) -> Known {
         let count = corners.width() as usize * corners.height() as usize;
-        let refined = (0..count).map(|_| AtomicBool::new(false)).collect();
-        Known { corners, least, refined }
+        let refined = (0..count).map(|_| AtomicU32::new(0)).collect();
+        Known { corners, least, refined, passes: 0 }
     }
 
     /// The film of the corners, which nobody needs any more.
@@ -51,9 +66,9 @@ impl Known {
         self.corners
     }
 
-    /// Which pixels have all their samples.
-    pub(super) fn refined(&self) -> &[AtomicBool] {
-        &self.refined
+    /// The samples of each pixel.
+    pub(super) fn samples(&self) -> Vec<u32> {
+        samples(&self.refined)
     }
 
     fn index(&self, [x, y]: [u32; 2]) -> usize {
@@ -74,7 +89,7 @@ pub(super) struct Refining {
 impl Refining {
     /// Of pixels that differ in the film `before`.
     pub(super) fn new(before: Film, known: Known) -> Refining {
-        let copy = |pixel: &AtomicBool| AtomicBool::new(pixel.load(Ordering::Relaxed));
+        let copy = |pixel: &AtomicU32| AtomicU32::new(pixel.load(Ordering::Relaxed));
         let refined = known.refined.iter().map(copy).collect();
         Refining { before, known, refined }
     }
@@ -84,15 +99,19 @@ impl Refining {
         &self.before
     }
 
-    /// Which pixels have all their samples by now.
-    pub(super) fn refined(&self) -> &[AtomicBool] {
-        &self.refined
+    /// The samples of each pixel by now.
+    pub(super) fn samples(&self) -> Vec<u32> {
+        samples(&self.refined)
     }
 
     /// The film of the pass before, and what is known now.
     pub(super) fn end(self) -> (Film, Known) {
-        (self.before, Known { refined: self.refined, ..self.known })
+        (self.before, Known { refined: self.refined, passes: self.known.passes + 1, ..self.known })
     }
+}
+
+fn samples(marks: &[AtomicU32]) -> Vec<u32> {
+    marks.iter().map(|mark| samples_of(mark.load(Ordering::Relaxed))).collect()
 }
 
 /// Finds pixels that differ from others; buffers of one worker.
@@ -102,6 +121,7 @@ pub(super) struct Differences {
     corners: [Vec<f32>; 3],
     /// By pixel of the tile with a border of one pixel.
     differs: Vec<bool>,
+    marks: Vec<u32>,
     /// Of a line.
     far: Vec<bool>,
     /// In the order of packets.
@@ -109,19 +129,63 @@ pub(super) struct Differences {
 }
 
 impl Differences {
-    /// Finds the pixels of `tile` that differ by more than `least`.
-    fn find(&mut self, [centres, corners]: [&Film; 2], tile: Tile, least: f32) {
-        let [left, top] = [tile.x.saturating_sub(1), tile.y.saturating_sub(1)];
-        let right = (tile.x + tile.width + 1).min(centres.width());
-        let bottom = (tile.y + tile.height + 1).min(centres.height());
-        let area = Tile { x: left, y: top, width: right - left, height: bottom - top };
-        for (film, planes) in [(centres, &mut self.centres), (corners, &mut self.corners)] {
-            film.read_tile(area, planes);
-            planes.iter_mut().flatten().for_each(|value| *value = value.clamp(0.0, 1.0).sqrt());
-        }
+    /// Finds the pixels of `tile` that differ by more than `least`, and reads all into `pixels`.
+    fn find(&mut self, [centres, corners]: [&Film; 2], tile: Tile, least: f32, pixels: &mut [Vec<f32>; 3]) {
+        let area = with_border(tile, centres);
+        self.read(centres, tile, area, pixels);
+        corners.read_tile(area, &mut self.corners);
+        self.corners.iter_mut().flatten().for_each(|value| *value = seen(*value));
         self.compare(area, least);
+        self.list(tile, area);
+    }
+
+    /// Finds those that differ from a pixel beside them which the last of the passes has refined, and are not refined: what
+    /// else differs has been refined before.
+    fn find_beside(&mut self, before: &Film, known: &Known, tile: Tile, pixels: &mut [Vec<f32>; 3]) {
+        let area = with_border(tile, before);
+        let (width, height) = (area.width as usize, area.height as usize);
+        self.marks.clear();
+        for y in area.y..area.y + area.height {
+            let line = &known.refined[known.index([area.x, y])..][..width];
+            self.marks.extend(line.iter().map(|mark| mark.load(Ordering::Relaxed)));
+        }
+        self.differs.clear();
+        self.differs.resize(area.len(), false);
+        self.pixels.clear();
+        if !self.marks.iter().any(|mark| mark >> PASS_BITS == known.passes) {
+            return before.read_tile(tile, pixels);
+        }
+        self.read(before, tile, area, pixels);
+        let Differences { centres, differs, marks, .. } = self;
+        for at in (0..area.len()).filter(|&at| marks[at] >> PASS_BITS == known.passes) {
+            let (x, y) = (at % width, at / width);
+            for y in y.saturating_sub(1)..(y + 2).min(height) {
+                for beside in y * width + x.saturating_sub(1)..y * width + (x + 2).min(width) {
+                    let far = || centres.iter().any(|plane| (plane[at] - plane[beside]).abs() > known.least);
+                    differs[beside] |= marks[beside] == 0 && far();
+                }
+            }
+        }
+        self.list(tile, area);
+    }
+
+    /// Reads an area of the film of centres, and leaves the colours of the tile within it in `pixels`.
+    fn read(&mut self, centres: &Film, tile: Tile, area: Tile, pixels: &mut [Vec<f32>; 3]) {
+        centres.read_tile(area, &mut self.centres);
+        let [left, top, width] = [tile.x - area.x, tile.y - area.y, tile.width].map(|v| v as usize);
+        for (plane, pixels) in self.centres.iter_mut().zip(pixels) {
+            pixels.clear();
+            for row in plane.chunks(area.width as usize).skip(top).take(tile.height as usize) {
+                pixels.extend_from_slice(&row[left..left + width]);
+            }
+            plane.iter_mut().for_each(|value| *value = seen(*value));
+        }
+    }
+
+    /// Lists the pixels of `tile` that differ.
+    fn list(&mut self, tile: Tile, area: Tile) {
         let (marks, width) = (&self.differs, area.width as usize);
-        let differs = |[x, y]: [u32; 2]| marks[(y - top) as usize * width + (x - left) as usize];
+        let differs = |[x, y]: [u32; 2]| marks[(y - area.y) as usize * width + (x - area.x) as usize];
         self.pixels.clear();
         for [x, y] in packet_corners(tile) {
             let pixels = (0..TILE_RAYS).map(pixel_of).map(|(dx, dy)| [x + dx, y + dy]);
@@ -164,6 +228,19 @@ impl Differences {
     }
 }
 
+/// A tile and the pixels around it.
+fn with_border(tile: Tile, film: &Film) -> Tile {
+    let [x, y] = [tile.x.saturating_sub(1), tile.y.saturating_sub(1)];
+    let right = (tile.x + tile.width + 1).min(film.width());
+    let bottom = (tile.y + tile.height + 1).min(film.height());
+    Tile { x, y, width: right - x, height: bottom - y }
+}
+
+/// About how bright a linear value looks.
+fn seen(value: f32) -> f32 {
+    value.clamp(0.0, 1.0).sqrt()
+}
+
 /// Whether colours differ by more than `least`: red, green and blue of both.
 fn compare_lines(lines: [(&[f32], &[f32]); 3], least: f32, far: &mut Vec<bool>) {
     far.clear();
@@ -186,15 +263,17 @@ impl RenderTask<'_> {
         meter: &mut Meter,
     ) {
         let Refining { before, known, refined } = refining;
-        before.read_tile(tile, &mut scratch.pixels);
-        let Some(follow) = &self.follow else { return };
+        let Some(follow) = &self.follow else { return before.read_tile(tile, &mut scratch.pixels) };
         let mut differences = std::mem::take(&mut scratch.differences);
-        differences.find([before, &known.corners], tile, known.least);
-        differences.pixels.retain(|&at| !known.refined[known.index(at)].load(Ordering::Relaxed));
-        differences.pixels.iter().for_each(|&at| refined[known.index(at)].store(true, Ordering::Relaxed));
+        if known.passes == 0 {
+            differences.find([before, &known.corners], tile, known.least, &mut scratch.pixels);
+        } else {
+            differences.find_beside(before, known, tile, &mut scratch.pixels);
+        }
         if !differences.pixels.is_empty() {
             follow.refine(self, camera, &differences.pixels, known.least, scratch, meter);
-            for (&[x, y], color) in differences.pixels.iter().zip(scratch.sums.means()) {
+            for (&[x, y], (samples, color)) in differences.pixels.iter().zip(scratch.sums.means()) {
+                refined[known.index([x, y])].store(mark(known.passes + 1, samples), Ordering::Relaxed);
                 let at = ((y - tile.y) * tile.width + x - tile.x) as usize;
                 scratch.pixels.iter_mut().zip(color).for_each(|(plane, color)| plane[at] = color);
             }
@@ -251,10 +330,10 @@ pub(super) mod tests {
             assert!(expected.len() > 50 && expected.len() < 1000, "{}", expected.len());
             expected.sort_unstable();
             for side in [1, 5, 16, 33, 64] {
-                let mut differences = Differences::default();
+                let (mut differences, mut pixels) = (Differences::default(), <[Vec<f32>; 3]>::default());
                 let mut found: Vec<[u32; 2]> = vec![];
                 for tile in tiles(50, 37, side, Order::Hilbert) {
-                    differences.find(films, tile, 0.1);
+                    differences.find(films, tile, 0.1, &mut pixels);
                     found.extend(&differences.pixels);
                 }
                 found.sort_unstable();

@@ -21,8 +21,8 @@ use crate::{
 const SENDS_ON: [Effect; 5] =
     [Effect::Mirror, Effect::Glossy, Effect::Refraction, Effect::AlphaCutout, Effect::IndirectLight];
 
-/// Rays that are followed together where pixels are refined: four packets.
-const BATCH: usize = 4 * TILE_RAYS;
+/// Rays that are followed together where pixels are refined: many, so that shadow rays find others beside them.
+const BATCH: usize = 16 * TILE_RAYS;
 
 /// How light is followed, over all frames.
 pub(super) struct Follow<'a> {

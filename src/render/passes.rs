@@ -2,7 +2,6 @@
 
 use super::adaptive::{Known, Refining};
 use crate::film::Film;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Passes after the first two, at most.
 pub(super) const REFINEMENTS: usize = 3;
@@ -98,13 +97,12 @@ impl Adaptive {
         }
     }
 
-    /// Which pixels have all samples by now, row by row.
-    pub(super) fn refined(&self) -> Option<Vec<bool>> {
-        let marks = match &self.due {
-            Some(Pass::Refine(refining)) => refining.refined(),
-            _ => self.known.as_ref()?.refined(),
-        };
-        Some(marks.iter().map(|mark: &AtomicBool| mark.load(Ordering::Relaxed)).collect())
+    /// The samples of each pixel by now, row by row, beside those that tell whether it differs.
+    pub(super) fn samples(&self) -> Option<Vec<u32>> {
+        match &self.due {
+            Some(Pass::Refine(refining)) => Some(refining.samples()),
+            _ => self.known.as_ref().map(Known::samples),
+        }
     }
 
     /// All films that it has.

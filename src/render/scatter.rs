@@ -72,11 +72,11 @@ impl Sums {
         seen.iter().any(|[sum, squares]| squares - sum * sum / count > most)
     }
 
-    /// The mean colour of each pixel.
-    pub(super) fn means(&self) -> impl Iterator<Item = [f32; 3]> {
+    /// Of each pixel how many samples it has, and their mean colour.
+    pub(super) fn means(&self) -> impl Iterator<Item = (u32, [f32; 3])> {
         self.pixels.iter().map(|sum| {
             let share = 1.0 / sum.samples as f32;
-            sum.color.map(|color| color * share)
+            (sum.samples, sum.color.map(|color| color * share))
         })
     }
 }
@@ -125,8 +125,9 @@ mod tests {
             assert!(sums.scatters(1, limit * 0.99) && !sums.scatters(1, limit * 1.01), "{colors:?}");
             assert!(!sums.scatters(0, 1e-4));
             let mean = colors.iter().sum::<f32>() / colors.len() as f32;
-            let means: Vec<[f32; 3]> = sums.means().collect();
-            assert!((means[1][channel] - mean).abs() < 1e-6 && means[0] == [0.75; 3], "{means:?}");
+            let means: Vec<_> = sums.means().collect();
+            assert!((means[1].1[channel] - mean).abs() < 1e-6 && means[0].1 == [0.75; 3], "{means:?}");
+            assert!(means.iter().all(|(samples, _)| *samples as usize == colors.len()));
         }
     }
 
@@ -135,6 +136,6 @@ mod tests {
         let mut sums = Sums::default();
         sums.begin(1);
         (0..4).for_each(|k| sums.add(0, [f32::NAN, 0.1 * k as f32, 0.0]));
-        assert!(sums.means().next().unwrap()[0].is_nan());
+        assert!(sums.means().next().unwrap().1[0].is_nan());
     }
 }

@@ -242,7 +242,7 @@ mod tests {
     };
     use std::collections::BTreeSet;
 
-    const LEAST: f32 = 0.2;
+    const LEAST: f32 = 0.05;
 
     fn scene(samples: u32, adaptive: Option<f32>) -> Scene {
         let mut scene = crate::scene::load("atrium@0.1").unwrap();
@@ -298,7 +298,8 @@ mod tests {
                 .filter(|&[x, y]| refined.insert([x, y]))
                 .collect();
             for &[x, y] in &more {
-                let ([r, g, b], some, more) = (at(&adaptive, [x, y]), at(&some_film, [x, y]), at(&more_film, [x, y]));
+                let ([r, g, b], some, more) =
+                    (at(&adaptive, [x, y]), at(&some_film, [x, y]), at(&more_film, [x, y]));
                 if [r, g, b] != some {
                     let all = [0, 1, 2].map(|k| (6.0 * some[k] + 10.0 * more[k]) / 16.0);
                     assert!([r, g, b].iter().zip(all).all(|(a, b)| (a - b).abs() < 1e-6), "{x}, {y}");
@@ -308,7 +309,7 @@ mod tests {
             }
             passes.push(more.len());
         }
-        assert!(passes[0] > 300 && passes[1] > 10 && refined.len() < 97 * 61 * 3 / 4, "{passes:?}");
+        assert!(passes[0] > 300 && passes[1] > 10 && refined.len() < 97 * 61 * 9 / 10, "{passes:?}");
         assert!(whole > 100 && whole + 100 < refined.len(), "{whole} of {}", refined.len());
         assert_eq!(adaptive.sha256(), expected.sha256(), "{passes:?}");
     }

@@ -120,12 +120,15 @@ fn samples(picture: &Picture) -> (Vec<u32>, String) {
     ((0..width * height).map(color).collect(), "blue to red: 1/16, 1/4, 1/2, all of the pixels traced".into())
 }
 
-/// Pixels with all their samples, once anti-aliasing has begun.
+/// How many samples pixels have, once anti-aliasing has begun.
 fn refined(picture: &Picture) -> Option<(Vec<u32>, String)> {
     let (pixels, refined) = (picture.refined.as_ref()?, picture.frame.refined?);
-    let colors = pixels.iter().map(|&all| heat(if all { 1.0 } else { 0.0 })).collect();
+    let most = f64::from(refined.samples).ln().max(f64::MIN_POSITIVE);
+    let colors = pixels.iter().map(|&samples| heat(f64::from(samples).ln() / most)).collect();
     let share = refined.share * 100.0;
-    Some((colors, format!("blue: 1 sample per pixel, red: {} ({share:.1} % of the pixels)", refined.samples)))
+    let text =
+        format!("blue to red: 1 to {} samples per pixel, more than one at {share:.1} %", refined.samples);
+    Some((colors, text))
 }
 
 fn steps(steps: &[AtomicU32]) -> (Vec<u32>, String) {

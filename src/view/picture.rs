@@ -26,7 +26,7 @@ pub struct Picture {
     /// What rays do, if the overlay needs it and the camera rests.
     pub map: Option<Arc<RayMap>>,
     /// Which pixels have all samples, row by row; if the overlay tells that, and some pixels shall have more than one.
-    pub refined: Option<Vec<bool>>,
+    pub refined: Option<Vec<u32>>,
 }
 
 impl Picture {

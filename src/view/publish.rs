@@ -46,7 +46,7 @@ impl Maker<'_, '_, '_> {
         let (size, overlay) = (self.state.options.size, self.state.overlay);
         let map = self.map.clone().filter(|_| overlay.needs_map());
         let tells = overlay == Overlay::Samples;
-        let refined = tells.then(|| self.session.refined_pixels()).flatten();
+        let refined = tells.then(|| self.session.pixel_samples()).flatten();
         (self.tell)(News::Picture(Box::new(Picture { size, pixels, frame, overlay, map, refined })));
         Ok(())
     }

@@ -38,9 +38,9 @@ impl Finer {
 /// How far an image has become adaptive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refined {
-    /// Samples of a pixel that differs from those beside it.
+    /// The most samples of a pixel that differs from those beside it.
     pub samples: u32,
-    /// Share of the pixels that have them by now.
+    /// Share of the pixels that have more than one by now.
     pub share: f64,
     /// Nothing is left to do.
     pub complete: bool,
@@ -138,13 +138,13 @@ impl Progressive<'_, '_> {
 
     /// How far the image has become adaptive; `None` before that was begun.
     pub fn refined(&self) -> Option<Refined> {
-        let (samples, marks) = (self.finer_by?.0, self.refined_pixels()?);
-        let share = marks.iter().filter(|&&mark| mark).count() as f64 / marks.len().max(1) as f64;
+        let (samples, pixels) = (self.finer_by?.0, self.pixel_samples()?);
+        let share = pixels.iter().filter(|&&samples| samples > 1).count() as f64 / pixels.len().max(1) as f64;
         Some(Refined { samples, share, complete: self.antialiased() })
     }
 
-    /// Which pixels have all their samples, row by row; `None` before the first of them.
-    pub fn refined_pixels(&self) -> Option<Vec<bool>> {
-        self.finer.as_ref()?.adaptive.refined()
+    /// The samples of each pixel, row by row; `None` before the first that has more than one.
+    pub fn pixel_samples(&self) -> Option<Vec<u32>> {
+        self.finer.as_ref()?.adaptive.samples()
     }
 }

@@ -149,8 +149,9 @@ pub(super) struct SamplingArgs {
     /// Camera rays per pixel [default: the scene's, or 1]
     #[arg(long, value_name = "N", value_parser = whole(1..=65_536u32), allow_negative_numbers = true)]
     pub(super) samples: Option<u32>,
-    /// Take all samples only of pixels that differ from a neighbour by more than this share of the range that a screen
-    /// shows, 0.03 for instance, and one of the others [default: the scene's, or all pixels]
+    /// Take more than one sample only of pixels that differ from a neighbour by more than this share of the range that a
+    /// screen shows, 0.03 for instance, and all only where three eighths of them scatter [default: the scene's, or all
+    /// pixels]
     #[arg(long, value_name = "SHARE", value_parser = positive_share, allow_negative_numbers = true)]
     pub(super) adaptive: Option<f32>,
     /// Shadow rays per camera ray to each light with an extent [default: the scene's, or 16]

@@ -25,7 +25,7 @@ pub struct Picture {
     pub overlay: Overlay,
     /// What rays do, if the overlay needs it and the camera rests.
     pub map: Option<Arc<RayMap>>,
-    /// Which pixels have all samples, row by row; if the overlay tells that, and some pixels shall have more than one.
+    /// The samples of each pixel, row by row; if the overlay tells that, and some pixels shall have more than one.
     pub refined: Option<Vec<u32>>,
 }
 

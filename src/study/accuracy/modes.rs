@@ -267,7 +267,7 @@ impl serde::Serialize for Mode {
 
 const SAMPLES: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
 /// Samples, and by how much pixels differ that get them.
-const ADAPTIVE: [(u32, f32); 4] = [(8, 0.04), (16, 0.04), (20, 0.02), (32, 0.01)];
+const ADAPTIVE: [(u32, f32); 4] = [(8, 0.04), (16, 0.03), (32, 0.01), (32, 0.005)];
 const LIGHT_SAMPLES: [u32; 4] = [1, 4, 16, 64];
 const DEPTHS: [u32; 4] = [1, 2, 4, 16];
 const CUTOFFS: [f32; 3] = [0.0, 1.0 / 64.0, 1.0 / 16.0];

@@ -84,6 +84,7 @@ fn effort(args: &AccuracyArgs) -> Effort {
         converged: args.converged,
         aimed: [rays, rays.div_ceil(3)],
         patience: Patience { least, most: effort.patience.most.max(least), ..effort.patience },
+        dearest: effort.dearest,
     }
 }
 

@@ -49,7 +49,7 @@ use timing::Bench;
 /// How thoroughly.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
-    /// Longest side of the images in pixels; half of it where light is followed by many rays for each pixel.
+    /// Longest side of the images in pixels; a quarter of it where light is followed by many rays for each pixel.
     pub side: u32,
     /// Longest side of the view that the reference traces.
     pub reference_side: u32,
@@ -59,6 +59,8 @@ pub struct Effort {
     pub patience: Patience,
     /// Aimed and spawned rays for each way to trace.
     pub aimed: [u64; 2],
+    /// Modes that are expected to take more seconds than this in all are left out.
+    pub dearest: f64,
 }
 
 impl Effort {
@@ -67,16 +69,18 @@ impl Effort {
         side: 512,
         reference_side: 512,
         converged: 256,
-        patience: Patience { least: 5, most: 41, seconds: 4.0 },
+        patience: Patience { least: 3, most: 41, seconds: 4.0 },
         aimed: [2_000_000, 600_000],
+        dearest: 60.0,
     };
     /// Less than a minute.
     pub const QUICK: Effort = Effort {
-        side: 256,
-        reference_side: 256,
+        side: 192,
+        reference_side: 192,
         converged: 256,
-        patience: Patience { least: 3, most: 21, seconds: 0.5 },
+        patience: Patience { least: 2, most: 21, seconds: 0.4 },
         aimed: [200_000, 60_000],
+        dearest: 5.0,
     };
 
     /// The size of a scene's images: its shape, and no side longer than `side`.
@@ -85,11 +89,11 @@ impl Effort {
     }
 }
 
-/// A size of the same shape with no side longer than `side`, or half of that where light is followed by many rays for each
+/// A size of the same shape with no side longer than `side`, or a quarter of that where light is followed by many rays for each
 /// pixel, so that a study of any scene ends in time.
 fn fit_for(scene: &Scene, size: [u32; 2], side: u32) -> [u32; 2] {
     let set = Reasons::new(scene).set();
-    fit(size, if set.has_any(&MANY_RAYS) { side.div_ceil(2) } else { side })
+    fit(size, if set.has_any(&MANY_RAYS) { side.div_ceil(4) } else { side })
 }
 
 const MANY_RAYS: [Effect; 7] = [

@@ -42,7 +42,25 @@ impl<'a> Study<'a> {
             session.frame(bench.options.schedule, &tiles, bench.control)?;
             Ok(session.frame(bench.options.schedule, &tiles, bench.control)?.0)
         })?;
-        Ok(Study { scene, effort, bench, modes, omissions, stage, frame, done: Cell::new(0.0) })
+        let mut study = Study { scene, effort, bench, modes, omissions, stage, frame, done: Cell::new(0.0) };
+        study.leave_out_dear_modes();
+        Ok(study)
+    }
+
+    /// So that a study of any scene ends in time.
+    fn leave_out_dear_modes(&mut self) {
+        let affordable = |&mode: &Mode| mode == Mode::Default || self.estimate(mode) <= self.effort.dearest;
+        let (modes, dear): (Vec<Mode>, Vec<Mode>) = self.modes.iter().copied().partition(affordable);
+        let omission = |mode: Mode| Omission {
+            knob: mode.knob().map_or("default", Knob::name),
+            why: format!(
+                "{mode} would take {:.0} seconds; a smaller --side makes all modes quicker",
+                self.estimate(mode)
+            ),
+        };
+        let omitted: Vec<Omission> = dear.into_iter().map(omission).collect();
+        self.omissions.extend(omitted);
+        self.modes = modes;
     }
 
     pub(super) fn run(&self, battery: &mut Battery, tell: &dyn Fn(Step)) -> Result<SceneAccuracy> {
@@ -208,6 +226,7 @@ mod tests {
         converged: 32,
         patience: Patience { least: 1, most: 1, seconds: 0.0 },
         aimed: [1000, 300],
+        dearest: 3600.0,
     };
 
     fn with_study<R>(name: &str, body: impl FnOnce(&Study) -> R) -> R {
@@ -241,6 +260,32 @@ mod tests {
             assert!((row.change.rmse - 0.25 * share.sqrt()).abs() < 1e-6, "{:?}", row.change);
             assert!((row.change.max - 0.25).abs() < 1e-6 && row.same == Some(false) && row.nan == 3);
             assert!((0..row.map.len()).all(|i| (row.map[i] > 0.2) == (i % 5 == 0)), "the map shows where");
+        });
+    }
+
+    #[test]
+    fn modes_that_take_too_long_are_left_out_and_told() {
+        with_study("atrium@0.1", |study| {
+            let dear = Mode::Samples(64);
+            let limit = study.estimate(dear) * 0.99;
+            let effort = Effort { dearest: limit, ..EFFORT };
+            let placement = study.bench.placement.clone();
+            let bench = Bench { placement, options: study.bench.options, control: study.bench.control };
+            let mut shorter = Study::new(study.scene, &EFFORT, bench).unwrap();
+            (shorter.effort, shorter.frame) = (&effort, study.frame);
+            shorter.leave_out_dear_modes();
+            assert!(study.modes.contains(&dear) && !shorter.modes.contains(&dear));
+            assert!(shorter.modes.iter().all(|&mode| shorter.estimate(mode) <= limit));
+            let told = shorter
+                .omissions
+                .iter()
+                .filter(|omission| omission.why.starts_with("samples 64 would"))
+                .count();
+            assert_eq!((told, shorter.modes[0]), (1, Mode::Default));
+            assert_eq!(
+                study.modes.len() - shorter.modes.len(),
+                shorter.omissions.len() - study.omissions.len()
+            );
         });
     }
 

@@ -28,10 +28,10 @@ use std::sync::atomic::{AtomicU32, Ordering};
 /// Which pixels of an image are refined, row by row. Atomic as a film's pixels are.
 type Marks = Vec<AtomicU32>;
 
-/// The pass that refines a pixel, from 1 on, and the samples that it has then: see [`mark`].
+/// Bits of a mark below those of the pass: 0, or the samples of a pixel.
 const PASS_BITS: u32 = 30;
 
-/// Of a pixel that the pass has refined.
+/// Of a pixel that a pass, from 1 on, has refined to so many samples.
 fn mark(pass: u32, samples: u32) -> u32 {
     pass << PASS_BITS | samples
 }

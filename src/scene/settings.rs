@@ -9,8 +9,9 @@ pub struct RenderSettings {
     /// mean is taken.
     pub samples: u32,
     /// Only pixels whose centre differs from one of their corners or of their eight neighbours by more than this get three
-    /// eighths of the samples, at least four, and all if those scatter by six times as much; the others get one, through the centre. What is compared are square roots of colours within 0 to 1, about
-    /// what an eye sees, by their greatest channel; > 0. Chapter 3.7 of the thesis.
+    /// eighths of the samples, at least four, and all if those scatter by six times as much; the others get one, through
+    /// the centre. What is compared are square roots of colours within 0 to 1, about what an eye sees, by their greatest
+    /// channel; > 0. Chapter 3.7 of the thesis.
     pub adaptive: Option<f32>,
     /// Shadow rays per camera ray to each [`super::AreaLight`], to all emitting triangles together, and to a sky that lights;
     /// >= 1. Stratified.

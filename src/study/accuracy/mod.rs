@@ -89,8 +89,8 @@ impl Effort {
     }
 }
 
-/// A size of the same shape with no side longer than `side`, or a quarter of that where light is followed by many rays for each
-/// pixel, so that a study of any scene ends in time.
+/// A size of the same shape with no side longer than `side`, or a quarter of that where light is followed by many rays for
+/// each pixel, so that a study of any scene ends in time.
 fn fit_for(scene: &Scene, size: [u32; 2], side: u32) -> [u32; 2] {
     let set = Reasons::new(scene).set();
     fit(size, if set.has_any(&MANY_RAYS) { side.div_ceil(4) } else { side })

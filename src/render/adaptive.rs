@@ -36,9 +36,9 @@ fn mark(pass: u32, samples: u32) -> u32 {
     pass << PASS_BITS | samples
 }
 
-/// The samples of a pixel, beside those that tell whether it differs.
-fn samples_of(mark: u32) -> u32 {
-    (mark & ((1 << PASS_BITS) - 1)).max(1)
+/// The samples of a pixel by its mark, beside those that tell whether it differs.
+pub(super) fn samples_of(mark: &AtomicU32) -> u32 {
+    (mark.load(Ordering::Relaxed) & ((1 << PASS_BITS) - 1)).max(1)
 }
 
 /// What is known of an image beside its pixels.
@@ -66,9 +66,9 @@ impl Known {
         self.corners
     }
 
-    /// The samples of each pixel.
-    pub(super) fn samples(&self) -> Vec<u32> {
-        samples(&self.refined)
+    /// The marks of pixels: see [`samples_of`].
+    pub(super) fn marks(&self) -> &[AtomicU32] {
+        &self.refined
     }
 
     fn index(&self, [x, y]: [u32; 2]) -> usize {
@@ -99,19 +99,15 @@ impl Refining {
         &self.before
     }
 
-    /// The samples of each pixel by now.
-    pub(super) fn samples(&self) -> Vec<u32> {
-        samples(&self.refined)
+    /// The marks of pixels by now: see [`samples_of`].
+    pub(super) fn marks(&self) -> &[AtomicU32] {
+        &self.refined
     }
 
     /// The film of the pass before, and what is known now.
     pub(super) fn end(self) -> (Film, Known) {
         (self.before, Known { refined: self.refined, passes: self.known.passes + 1, ..self.known })
     }
-}
-
-fn samples(marks: &[AtomicU32]) -> Vec<u32> {
-    marks.iter().map(|mark| samples_of(mark.load(Ordering::Relaxed))).collect()
 }
 
 /// Finds pixels that differ from others; buffers of one worker.

@@ -1,6 +1,6 @@
 //! The passes of an adaptive image, whoever has them rendered: a session in one go, the viewer bit by bit.
 
-use super::adaptive::{Known, Refining};
+use super::adaptive::{Known, Refining, samples_of};
 use crate::film::Film;
 
 /// Passes after the first two, at most.
@@ -98,11 +98,12 @@ impl Adaptive {
     }
 
     /// The samples of each pixel by now, row by row, beside those that tell whether it differs.
-    pub(super) fn samples(&self) -> Option<Vec<u32>> {
-        match &self.due {
-            Some(Pass::Refine(refining)) => Some(refining.samples()),
-            _ => self.known.as_ref().map(Known::samples),
-        }
+    pub(super) fn samples(&self) -> Option<impl ExactSizeIterator<Item = u32>> {
+        let marks = match &self.due {
+            Some(Pass::Refine(refining)) => refining.marks(),
+            _ => self.known.as_ref()?.marks(),
+        };
+        Some(marks.iter().map(samples_of))
     }
 
     /// All films that it has.

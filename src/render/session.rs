@@ -290,7 +290,9 @@ mod tests {
         let (one, corners) = (film(&scene(1, None), false, 7), film(&scene(1, None), true, 7));
         let adaptive = film(&scene(16, Some(LEAST)), false, 7);
         let at = |film: &Film, [x, y]: [u32; 2]| film.row(y).nth(x as usize).unwrap();
-        let mut whole = 0;
+        // How far the parts of pixels are apart that have the first, and both: about what their samples scatter by.
+        let (mut few, mut whole) = (vec![], vec![]);
+        let seen = |color: [f32; 3]| color.map(|value| value.clamp(0.0, 1.0).sqrt());
         let (expected, mut refined, mut passes) = (one, BTreeSet::new(), vec![]);
         for _ in 0..REFINEMENTS {
             let more: Vec<_> = differing([&expected, &corners], LEAST)
@@ -300,17 +302,22 @@ mod tests {
             for &[x, y] in &more {
                 let ([r, g, b], some, more) =
                     (at(&adaptive, [x, y]), at(&some_film, [x, y]), at(&more_film, [x, y]));
-                if [r, g, b] != some {
+                let apart = seen(some).iter().zip(seen(more)).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+                if [r, g, b] == some {
+                    few.push(apart);
+                } else {
                     let all = [0, 1, 2].map(|k| (6.0 * some[k] + 10.0 * more[k]) / 16.0);
                     assert!([r, g, b].iter().zip(all).all(|(a, b)| (a - b).abs() < 1e-6), "{x}, {y}");
-                    whole += 1;
+                    whole.push(apart);
                 }
                 expected.write_tile(Tile { x, y, width: 1, height: 1 }, &[r], &[g], &[b]);
             }
             passes.push(more.len());
         }
         assert!(passes[0] > 300 && passes[1] > 10 && refined.len() < 97 * 61 * 9 / 10, "{passes:?}");
-        assert!(whole > 100 && whole + 100 < refined.len(), "{whole} of {}", refined.len());
+        assert!(whole.len() > 100 && few.len() > 100, "{} and {}", whole.len(), few.len());
+        let [few, whole] = [few, whole].map(|apart| apart.iter().sum::<f32>() / apart.len() as f32);
+        assert!(whole > 2.0 * few, "{whole} {few}: all samples are not where the first ones scatter");
         assert_eq!(adaptive.sha256(), expected.sha256(), "{passes:?}");
     }
 }

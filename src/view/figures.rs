@@ -65,7 +65,7 @@ impl Figures {
         ));
         lines.extend(last.refined.map(|refined| {
             let done = if refined.complete { "anti-aliased" } else { "anti-aliasing" };
-            format!("{:5.1} % {done} by {} samples", refined.share * 100.0, refined.samples)
+            format!("{:5.1} % {done} by up to {} samples", refined.share * 100.0, refined.samples)
         }));
         if let Some(latency) = last.latency.or(moving.last().and_then(|frame| frame.latency)) {
             lines.push(format!("{:5.1} ms from hand to eye", latency.as_secs_f64() * 1e3));

@@ -138,13 +138,14 @@ impl Progressive<'_, '_> {
 
     /// How far the image has become adaptive; `None` before that was begun.
     pub fn refined(&self) -> Option<Refined> {
-        let (samples, pixels) = (self.finer_by?.0, self.pixel_samples()?);
-        let share = pixels.iter().filter(|&&samples| samples > 1).count() as f64 / pixels.len().max(1) as f64;
+        let (samples, pixels) = (self.finer_by?.0, self.finer.as_ref()?.adaptive.samples()?);
+        let count = pixels.len().max(1);
+        let share = pixels.filter(|&samples| samples > 1).count() as f64 / count as f64;
         Some(Refined { samples, share, complete: self.antialiased() })
     }
 
     /// The samples of each pixel, row by row; `None` before the first that has more than one.
     pub fn pixel_samples(&self) -> Option<Vec<u32>> {
-        self.finer.as_ref()?.adaptive.samples()
+        Some(self.finer.as_ref()?.adaptive.samples()?.collect())
     }
 }

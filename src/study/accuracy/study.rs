@@ -290,6 +290,17 @@ mod tests {
     }
 
     #[test]
+    fn scenes_of_many_rays_have_smaller_images_and_converge_by_more_light() {
+        let [plain, many] = ["atrium@0.1", "gallery@0.1"].map(|name| crate::scene::load(name).unwrap());
+        let longest = |scene: &Scene| Effort::QUICK.size(scene).into_iter().max();
+        assert_eq!([longest(&plain), longest(&many)], [Some(192), Some(48)]);
+        let (usual, converged) = (&many.settings, converged_scene(&many, 100).settings);
+        assert_eq!((converged.samples, converged.max_depth), (100, 2 * usual.max_depth));
+        // Nothing cut off at all would be every path among glass: two to the power of the depth.
+        assert!(converged.cutoff > 0.0 && converged.cutoff * 50.0 < usual.cutoff, "{}", converged.cutoff);
+    }
+
+    #[test]
     fn two_halves_tell_the_noise_of_their_mean() {
         // Against an image of far more samples, the mean is off by about what the halves say.
         with_study("atrium@0.1", |study| {

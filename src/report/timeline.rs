@@ -174,7 +174,7 @@ fn worker_color(worker: usize) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::schedule::{CostMap, FilmMode, Plan, Schedule, Strategy};
+    use crate::schedule::{CostMap, FilmMode, Plan, Schedule, SharedCore, Strategy};
     use crate::study::scaling::{Costs, Flow, Replay, simulate};
     use crate::tile::{Order, tiles};
 
@@ -189,11 +189,9 @@ mod tests {
             collect_tile: 1e-7,
             tile: 1e-7,
             steal: 1e-6,
-            switch: 1e-6,
-            interrupt: 1e-6,
+            shared: SharedCore::punctual(1e-6, 1e-6, 1e-6, 1e-6),
             per_byte: 1e-9,
             cores: 2,
-            inflation: 1.0,
         };
         let schedule = Schedule { strategy: Strategy::Stealing, film: FilmMode::Shared };
         let replay = |end| {
@@ -202,7 +200,7 @@ mod tests {
             let seconds = vec![1e-3; plan.tiles.len()];
             Replay { plan, seconds }
         };
-        simulate(schedule, workers, Flow::ONE, replay, &costs)
+        simulate(schedule, &vec![1.0; workers], Flow::ONE, replay, &costs)
     }
 
     #[test]

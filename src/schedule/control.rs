@@ -36,6 +36,11 @@ impl<'a> Control<'a> {
         self.cancel.load(Ordering::Relaxed)
     }
 
+    /// What cancels it.
+    pub fn flag(&self) -> &'a AtomicBool {
+        self.cancel
+    }
+
     /// Tells the callback.
     pub fn report(&self, progress: Progress) {
         (self.progress)(progress);

@@ -6,6 +6,7 @@
 
 use super::topology::Topology;
 use std::fmt;
+use std::ops::Range;
 use std::path::Path;
 use std::sync::OnceLock;
 use std::thread;
@@ -80,6 +81,14 @@ impl Placement {
     /// [`refusals`].
     pub fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    /// Where the master of these workers disturbs them least: on the CPU of a worker that takes no part, else on that of
+    /// the last one. `None` if there is none of either that is pinned.
+    pub fn beside(&self, employed: Range<usize>) -> Option<usize> {
+        let idle = self.slots.iter().enumerate().filter(|(worker, _)| !employed.contains(worker));
+        let last = self.slots.get(..employed.end).and_then(|slots| slots.last().copied().flatten());
+        idle.filter_map(|(_, &cpu)| cpu).next().or(last)
     }
 
     /// The CPU of each worker; `None` leaves it to the operating system.
@@ -217,6 +226,17 @@ mod tests {
         assert_eq!(gaps(&[]), None);
         assert_eq!(gaps(&[2, 4, 11]).unwrap(), "this process may run on CPUs 2,4,11 only");
         assert!(gaps(&[1, 2]).is_some());
+    }
+
+    #[test]
+    fn the_master_takes_a_core_without_a_worker_or_else_the_last_ones() {
+        let placement = Placement::new(&four_cores_with_smt(), Some(4), true);
+        assert_eq!(placement.beside(0..2), Some(4));
+        assert_eq!(placement.beside(1..4), Some(0));
+        assert_eq!(placement.beside(0..4), Some(6));
+        assert_eq!(placement.beside(0..9), None);
+        let free = Placement::new(&four_cores_with_smt(), Some(4), false);
+        assert_eq!((free.beside(0..2), free.beside(0..4)), (None, None));
     }
 
     #[test]

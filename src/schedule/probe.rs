@@ -1,5 +1,9 @@
 //! What single steps of the protocol cost on this machine, for simulations.
 
+mod shared_core;
+
+pub use shared_core::{SharedCore, shared_core_seconds};
+
 use super::mail::Inbox;
 use super::message::Report;
 use crossbeam_deque::Worker as Deque;

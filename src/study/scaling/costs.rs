@@ -8,14 +8,16 @@
 use crate::error::Result;
 use crate::film::Film;
 use crate::schedule::{
-    Control, FilmMode, FrameStats, Machine, Placement, Schedule, Strategy, TileTask, steal_seconds,
-    wake_seconds, with_workers,
+    Control, FilmMode, FrameStats, Machine, Placement, Schedule, SharedCore, Strategy, TileTask,
+    shared_core_seconds, steal_seconds, wake_seconds, with_workers,
 };
 use crate::tile::{Order, Tile, tiles};
 use std::time::Instant;
 
 /// Frames per measurement.
 const FRAMES: usize = 21;
+/// Messages of either kind between threads that share a core: enough to see how often one is late.
+const MESSAGES: usize = 3000;
 /// Tiles in a side of an image of empty tiles, where the time per tile matters ...
 const SIDE: u32 = 128;
 /// ... and where the time per frame does.
@@ -44,16 +46,12 @@ pub struct Costs {
     pub tile: f64,
     /// A worker, to take half of another's tiles.
     pub steal: f64,
-    /// A worker whose core the master uses for a moment, beside the master's time.
-    pub switch: f64,
-    /// The same worker, if another's report woke the master in the middle of a tile.
-    pub interrupt: f64,
+    /// The same two where the master shares a core with a worker that computes.
+    pub shared: SharedCore,
     /// The master, for each byte of pixels that it gets as a message.
     pub per_byte: f64,
     /// With at least this many workers the master has no core of its own.
     pub cores: usize,
-    /// By which factor a tile takes longer than it took one worker alone: cores share memory, cache and clock.
-    pub inflation: f64,
 }
 
 impl Costs {
@@ -68,9 +66,30 @@ impl Costs {
         Costs { cores: workers, ..self }
     }
 
-    /// The same where tiles take `factor` times as long.
-    pub(super) fn inflated(self, factor: f64) -> Costs {
-        Costs { inflation: self.inflation * factor, ..self }
+    /// The same where everything takes `factor` times as long. A time slice is still a time slice.
+    pub(super) fn slower(self, factor: f64) -> Costs {
+        let SharedCore { send, latency, interrupt, switch, late, delay } = self.shared;
+        Costs {
+            prepare: self.prepare * factor,
+            send: self.send * factor,
+            reply: self.reply * factor,
+            to_master: self.to_master * factor,
+            to_worker: self.to_worker * factor,
+            collect: self.collect * factor,
+            collect_tile: self.collect_tile * factor,
+            tile: self.tile * factor,
+            steal: self.steal * factor,
+            shared: SharedCore {
+                send: send * factor,
+                latency: latency * factor,
+                interrupt: interrupt * factor,
+                switch: switch * factor,
+                late,
+                delay,
+            },
+            per_byte: self.per_byte * factor,
+            cores: self.cores,
+        }
     }
 
     /// What streams of one worker show of them, if there were a message every few tiles.
@@ -88,21 +107,22 @@ impl Costs {
         let to_master = (sum(|s| s.reports.latency_sum) / awaited - send).max(0.0);
         let work = sum(|s| s.master.reports);
         let bytes = 12.0 * sum(|s| s.spans.iter().map(|span| span.tile.len() as f64).sum());
-        let rest = work - tiles * self.collect_tile;
-        // The answer is part of the master's work.
+        // Who has one parcel waits for every answer, and is woken by it: as dear as waking the master.
+        let (answered, reply) = match schedule.strategy.parcels() {
+            1 => (true, send),
+            _ => (false, self.reply),
+        };
+        let rest = work - tiles * self.collect_tile - if answered { reports * reply } else { 0.0 };
         let (collect, per_byte) = match schedule.film {
             FilmMode::Shared => ((rest / reports).max(0.0), self.per_byte),
             FilmMode::Messages => (self.collect, ((rest - reports * self.collect) / bytes).max(0.0)),
         };
-        let to_worker = if schedule.strategy.parcels() == 1 {
-            (waits / reports - to_master - work / reports).max(0.0)
-        } else {
-            to_master
-        };
-        Costs { send, reply: 0.0, to_master, to_worker, collect, per_byte, interrupt: send, ..self }
+        let to_worker =
+            if answered { (waits / reports - to_master - work / reports).max(0.0) } else { to_master };
+        Costs { send, reply, to_master, to_worker, collect, per_byte, ..self }
     }
 
-    /// Measures them, in about a tenth of a second.
+    /// Measures them, in two or three seconds.
     ///
     /// # Errors
     /// [`crate::error::Error::Flag`] if a thread cannot be started.
@@ -118,12 +138,13 @@ impl Costs {
         let collect_tile = quiet(&stealing, |stats| stats.master.reports / count);
         // Of dynamic every report has one tile, and its answer wakes the worker.
         let report = quiet(&dynamic, |stats| stats.master.reports / stats.reports.count as f64);
+        let to_master = quiet(&dynamic, |stats| stats.reports.latency());
         Ok(Costs {
             // The first task wakes the worker.
             prepare: quiet(&small, |stats| (stats.master.frames - send).max(0.0)),
             send,
             reply: send,
-            to_master: quiet(&dynamic, |stats| stats.reports.latency()),
+            to_master,
             to_worker: quiet(&dynamic, |stats| stats.tasks.latency()),
             collect: (report - send - collect_tile).max(0.0),
             collect_tile,
@@ -131,12 +152,12 @@ impl Costs {
                 (last(stats) - stats.workers[0].idle.start - stats.workers[0].busy_seconds).max(0.0) / count
             }),
             steal: steal_seconds(FRAMES),
-            // To the master and back, each about what waking somebody costs.
-            switch: 2.0 * send,
-            interrupt: send,
+            shared: shared_core(pin).unwrap_or_else(|| {
+                // To the master and back, each about what waking somebody costs.
+                SharedCore::punctual(send, to_master, 3.0 * send, 2.0 * send)
+            }),
             per_byte: copy_seconds_per_byte(),
             cores: Machine::get().default_workers(),
-            inflation: 1.0,
         })
     }
 }
@@ -177,6 +198,15 @@ impl TileTask for Empty {
     fn run(&self, (): &(), _tile: Tile, (): &mut (), (): &mut ()) {}
 }
 
+/// Of the first two cores, if there are two.
+fn shared_core(pin: bool) -> Option<SharedCore> {
+    let placement = Placement::new(Machine::get(), Some(2), pin);
+    match placement.slots() {
+        &[Some(other), Some(core)] => shared_core_seconds(MESSAGES, core, other),
+        _ => None,
+    }
+}
+
 fn copy_seconds_per_byte() -> f64 {
     let (film, side) = (Film::new(1024, 1024), 64);
     let plane = vec![0.5; (side * side) as usize];
@@ -214,11 +244,9 @@ mod tests {
             collect_tile: 0.5,
             tile: 0.25,
             steal: 0.0,
-            switch: 0.0,
-            interrupt: 0.0,
+            shared: SharedCore::punctual(0.0, 0.0, 0.0, 0.0),
             per_byte: 0.0,
             cores: 2,
-            inflation: 1.0,
         };
         // Round trips of ten tiles of 100, but for the last one's answer.
         let spans = (0..10).map(|i| {
@@ -254,13 +282,14 @@ mod tests {
         let dynamic = Schedule { strategy: Strategy::Dynamic, film: FilmMode::Shared };
         let seen = blind.seen_in(std::slice::from_ref(&stats), dynamic);
         let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
-        assert!(near(seen.send, 2.0) && near(seen.to_master, 3.0) && near(seen.collect, 7.0), "{seen:?}");
+        assert!(near(seen.send, 2.0) && near(seen.to_master, 3.0), "{seen:?}");
+        // Waking the worker is as dear as waking the master, and part of the master's 7.5.
+        assert!(near(seen.reply, 2.0) && near(seen.collect, 5.0), "{seen:?}");
         // Nine waits for ten reports: the last one's answer never comes.
         assert!(near(seen.to_worker, work / 10.0 - 3.0 - 7.5), "{seen:?}");
-        assert_eq!(seen.interrupt, seen.send);
         // As messages, the master's time is that of copying.
         let messages = blind.seen_in(&[stats.clone()], Schedule { film: FilmMode::Messages, ..dynamic });
-        assert!(near(messages.per_byte, (75.0 - 10.0 * 0.1 - 10.0 * 0.5) / (12.0 * 10.0)), "{messages:?}");
+        assert!(near(messages.per_byte, (75.0 - 10.0 * (2.0 + 0.1 + 0.5)) / (12.0 * 10.0)), "{messages:?}");
         // Whoever has other parcels does not wait for answers: they take as long as reports.
         let non_blocking = Schedule { strategy: Strategy::NonBlocking, film: FilmMode::Shared };
         let seen = blind.seen_in(std::slice::from_ref(&stats), non_blocking);

@@ -2,15 +2,20 @@
 //!
 //! One round of a schedule, with two workers: frames by one worker, twice as many by two, then by one worker on another
 //! core. So whatever makes the machine faster or slower for a while, or one core slower than another, is on both
-//! sides of the ratio.
+//! sides of the ratio. The master is pinned, too: to a core without a worker, or else to that of the last worker, where the
+//! simulator has it.
 
 use super::{Costs, Flow, LONGEST_MEASURED, Replay, simulate};
 use crate::error::Result;
 use crate::math::median;
 use crate::render::{Session, Stage};
-use crate::schedule::{Control, CostMap, FilmMode, FrameStats, Machine, Placement, Plan, Schedule, Strategy};
+use crate::schedule::{
+    Control, CostMap, FilmMode, FrameStats, Machine, Placement, Plan, Schedule, Span, Strategy,
+    pin_current_thread,
+};
 use crate::tile::Tile;
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// Rounds of one schedule with one number of workers.
 #[derive(Clone, Debug)]
@@ -47,14 +52,26 @@ impl Measured {
     /// By which factor tiles take longer than those of `alone` in the same round: the median of the rounds. Tiles that only
     /// one of them has are left out: strategies may cut them in other ways for more workers.
     pub(super) fn inflation(&self, alone: &Measured) -> f64 {
-        let ratio = |(many, one): (&[FrameStats], &[FrameStats])| {
-            let (many, one) = (mean_costs(many), mean_costs(one));
-            let common = many.iter().filter_map(|(tile, &seconds)| Some((seconds, *one.get(tile)?)));
-            let (many, one) = common.fold((0.0, 0.0), |sum, pair| (sum.0 + pair.0, sum.1 + pair.1));
-            many / one
-        };
+        let ratio = |(many, one): (&[FrameStats], &[FrameStats])| ratio(many, &mean_costs(one), |_| true);
         median(&self.rounds().zip(alone.rounds()).map(ratio).collect::<Vec<f64>>())
     }
+
+    /// The same of each worker's tiles, in each round.
+    pub(super) fn slowness(&self, alone: &Measured) -> Vec<Vec<f64>> {
+        let of_round = |(many, one): (&[FrameStats], &[FrameStats])| {
+            let one = mean_costs(one);
+            (0..self.workers).map(|worker| ratio(many, &one, |span| span.worker == worker)).collect()
+        };
+        self.rounds().zip(alone.rounds()).map(of_round).collect()
+    }
+}
+
+/// Seconds of those tiles over what they cost, of those that have a cost; 1 if there are none.
+fn ratio(streams: &[FrameStats], costs: &HashMap<Tile, f64>, of: impl Fn(&Span) -> bool) -> f64 {
+    let spans = streams.iter().flat_map(|stream| &stream.spans).filter(|span| of(span));
+    let common = spans.filter_map(|span| Some((span.end - span.start, *costs.get(&span.tile)?)));
+    let (took, cost) = common.fold((0.0, 0.0), |sum, pair| (sum.0 + pair.0, sum.1 + pair.1));
+    if cost > 0.0 { took / cost } else { 1.0 }
 }
 
 /// Mean seconds of each tile.
@@ -91,11 +108,21 @@ pub(super) struct Method<'a> {
 }
 
 impl Method<'_> {
-    /// Measures. The first frames of new workers are not counted.
+    /// Measures, on a thread of its own, which is pinned; `control` is not told of
+    /// progress. The first frames of new workers are not counted.
     ///
     /// # Errors
     /// As [`Session::stream`], and [`crate::error::Error::Failed`] if two images differ.
     pub(super) fn measure(&self, stage: &Stage<'_>, control: &Control<'_>) -> Result<Rounds> {
+        let cancel = control.flag();
+        let measure = || self.measure_here(stage, &Control::new(cancel, &|_| {}));
+        std::thread::scope(|scope| match scope.spawn(measure).join() {
+            Ok(rounds) => rounds,
+            Err(panic) => std::panic::resume_unwind(panic),
+        })
+    }
+
+    fn measure_here(&self, stage: &Stage<'_>, control: &Control<'_>) -> Result<Rounds> {
         let most = self.workers.last().map_or(1, |&most| most);
         let counts = std::iter::once(1).chain(self.workers.iter().copied());
         let measured = |&schedule: &Schedule| {
@@ -107,7 +134,7 @@ impl Method<'_> {
             Placement::new(Machine::get(), Some(most.max(Machine::get().default_workers())), self.pin);
         stage.with_session(&placement, |session| {
             let cores = placement.slots().len();
-            let mut bench = Bench { stage, session, control, hash: None };
+            let mut bench = Bench { stage, session, placement: &placement, control, hash: None };
             bench.warm_up(self)?;
             for round in 0..self.rounds as usize {
                 for of_schedule in rounds.all.chunks_mut(1 + self.workers.len()) {
@@ -131,12 +158,18 @@ impl Method<'_> {
 struct Bench<'b, 'm, 'a, 's> {
     stage: &'b Stage<'s>,
     session: &'b mut Session<'m, 'a>,
+    placement: &'b Placement,
     control: &'b Control<'b>,
     /// Of the first image.
     hash: Option<String>,
 }
 
 impl Bench<'_, '_, '_, '_> {
+    fn employ(&mut self, workers: Range<usize>) {
+        pin_current_thread(self.placement.beside(workers.clone()));
+        self.session.employ(workers);
+    }
+
     fn warm_up(&mut self, method: &Method<'_>) -> Result<()> {
         let tiles = self.stage.tiles(method.side);
         let most = method.workers.last().map_or(1, |&most| most);
@@ -148,10 +181,10 @@ impl Bench<'_, '_, '_, '_> {
         &mut self,
         method: &Method<'_>,
         schedule: Schedule,
-        workers: std::ops::Range<usize>,
+        workers: Range<usize>,
     ) -> Result<FrameStats> {
         let Flow { frames, in_flight } = method.flow.of(workers.len(), LONGEST_MEASURED);
-        self.session.employ(workers);
+        self.employ(workers);
         let tiles = self.stage.tiles(method.side);
         let stats = self.session.stream(schedule, &tiles, frames, in_flight, self.control)?;
         self.session
@@ -167,7 +200,7 @@ impl Bench<'_, '_, '_, '_> {
         worker: usize,
         smaller: &mut HashMap<FilmMode, Vec<FrameStats>>,
     ) -> Result<()> {
-        self.session.employ(worker..worker + 1);
+        self.employ(worker..worker + 1);
         for film in films(method.schedules) {
             let schedule = Schedule { strategy: Strategy::Stealing, film };
             let halves = std::iter::successors(Some(method.side / 2), |side| Some(side / 2));
@@ -218,27 +251,28 @@ impl TileCosts {
         TileCosts { seconds, map }
     }
 
-    /// By which factor the tiles of a stream took longer than these.
-    pub(super) fn inflation(&self, stream: &FrameStats) -> f64 {
-        let took: f64 = stream.spans.iter().map(|span| span.end - span.start).sum();
-        took / stream.spans.iter().map(|span| self.of(span.tile)).sum::<f64>()
+    /// By which factor each worker's tiles of a stream took longer than these.
+    pub(super) fn slowness(&self, stream: &FrameStats) -> Vec<f64> {
+        let streams = std::slice::from_ref(stream);
+        let of = |worker| ratio(streams, &self.seconds, |span| span.worker == worker);
+        (0..stream.workers.len()).map(of).collect()
     }
 
-    /// What frames of `tiles` would take `workers` workers.
+    /// What frames of `tiles` would take workers of such slowness.
     pub(super) fn simulate(
         &self,
         schedule: Schedule,
-        workers: usize,
+        slowness: &[f64],
         flow: Flow,
         tiles: &[Tile],
         costs: &Costs,
     ) -> FrameStats {
         let replay = |end| {
-            let plan = Plan::new(schedule.strategy, workers, end, tiles, &self.map);
+            let plan = Plan::new(schedule.strategy, slowness.len(), end, tiles, &self.map);
             let seconds = plan.tiles.iter().map(|&tile| self.of(tile)).collect();
             Replay { plan, seconds }
         };
-        simulate(schedule, workers, flow, replay, costs)
+        simulate(schedule, slowness, flow, replay, costs)
     }
 
     /// As it was measured, or what its pixels took in the tile around it.
@@ -301,7 +335,13 @@ mod tests {
         let measured = |workers, streams| Measured { schedule: Schedule::default(), workers, streams };
         let one = measured(1, vec![stream(&[(tile(0), 1.0), (tile(16), 2.0)]), stream(&[(tile(0), 3.0)])]);
         // 2 + 2 alone; the third tile is not known there.
-        let two = measured(2, vec![stream(&[(tile(0), 2.5), (tile(16), 2.5), (tile(32), 99.0)])]);
+        let mut two = stream(&[(tile(0), 2.5), (tile(16), 2.5), (tile(32), 99.0)]);
+        two.spans[1].worker = 1;
+        let two = measured(2, vec![two]);
         assert!((two.inflation(&one) - 1.25).abs() < 1e-12);
+        assert_eq!(two.slowness(&one), [[2.5 / 2.0, 2.5 / 2.0]]);
+        let mut slow = two.clone();
+        slow.streams[0].spans[1].end += 0.5;
+        assert_eq!(slow.slowness(&one), [[2.5 / 2.0, 3.0 / 2.0]]);
     }
 }

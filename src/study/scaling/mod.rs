@@ -69,7 +69,8 @@ pub struct ScalingRow {
     /// By which factor a tile took longer than one worker alone took for it, in the same round: the median. What cores
     /// share, and what others take from them; no scheduler can help it. Of a simulated row, what it was told.
     pub inflation: f64,
-    /// Of a measured row: what the simulator says, told the inflation without what the master took from tiles.
+    /// Of a measured row: what the simulator says, told each worker's inflation in each round, without what by its own
+    /// account the master took from tiles; the median.
     pub predicted: Option<f64>,
     /// The stream of the median round.
     pub frame: FrameStats,
@@ -174,18 +175,21 @@ impl Study<'_> {
         let (workers, seconds, alone) = (measured.workers, measured.seconds(), one.seconds());
         let against = |one: f64, many: f64| one / (workers as f64 * many);
         let ratios: Vec<f64> = alone.iter().zip(&seconds).map(|(&one, &many)| against(one, many)).collect();
-        let inflation = measured.inflation(one);
-        let predict = |inflation| self.predict(one, workers, tiles, inflation);
+        let predict = |slowness: &[f64]| self.predict(one, slowness, tiles);
         // What the master takes from tiles is not the machine's, but the simulator's to find.
-        let (_, apart) = predict(1.0);
-        let (predicted, _) = predict((inflation / tiles.inflation(&apart)).max(LEAST_INFLATION));
+        let apart = tiles.slowness(&predict(&vec![1.0; workers]).1);
+        let told = |round: &Vec<f64>| -> Vec<f64> {
+            round.iter().zip(&apart).map(|(seen, apart)| (seen / apart).max(LEAST_INFLATION)).collect()
+        };
+        let predictions: Vec<f64> =
+            measured.slowness(one).iter().map(|round| predict(&told(round)).0).collect();
         ScalingRow {
             simulated: false,
             efficiency: median(&ratios),
             fastest: against(least(&alone), least(&seconds)),
             seconds,
-            inflation,
-            predicted: Some(predicted),
+            inflation: measured.inflation(one),
+            predicted: Some(median(&predictions)),
             frame: measured.median_stream().clone(),
             ..self.row(measured.schedule, workers)
         }
@@ -193,7 +197,7 @@ impl Study<'_> {
 
     fn simulated(&self, one: &Measured, workers: usize, tiles: &TileCosts) -> ScalingRow {
         let inflation = self.options.inflation;
-        let (efficiency, frame) = self.predict(one, workers, tiles, inflation);
+        let (efficiency, frame) = self.predict(one, &vec![inflation; workers], tiles);
         ScalingRow {
             simulated: true,
             seconds: vec![frame.per_frame()],
@@ -205,25 +209,20 @@ impl Study<'_> {
         }
     }
 
-    /// Efficiency and stream as the simulator has them.
-    fn predict(
-        &self,
-        one: &Measured,
-        workers: usize,
-        tiles: &TileCosts,
-        inflation: f64,
-    ) -> (f64, FrameStats) {
-        let schedule = one.schedule;
+    /// Efficiency and stream as the simulator has them, of workers of such slowness.
+    fn predict(&self, one: &Measured, slowness: &[f64], tiles: &TileCosts) -> (f64, FrameStats) {
+        let (schedule, workers) = (one.schedule, slowness.len());
         let seen = self.costs.seen_in(&one.streams, schedule);
         let (alone, costs) = match self.options.network {
-            _ if workers <= self.cores => (seen, seen),
+            // What slows tiles down slows down everything else on the same cores.
+            _ if workers <= self.cores => (seen, seen.slower(slowness.iter().sum::<f64>() / workers as f64)),
             Some((latency, bits)) => (*self.costs, self.costs.on_network(latency, bits)),
             None => (seen, seen.on_cores(workers)),
         };
         let longest = if workers <= self.cores { LONGEST_MEASURED } else { LONGEST_SIMULATED };
         let flow = self.options.flow.of(workers, longest);
-        let one = tiles.simulate(schedule, 1, self.options.flow, self.base, &alone);
-        let many = tiles.simulate(schedule, workers, flow, self.base, &costs.inflated(inflation));
+        let one = tiles.simulate(schedule, &[1.0], self.options.flow, self.base, &alone);
+        let many = tiles.simulate(schedule, slowness, flow, self.base, &costs);
         (one.per_frame() / (workers as f64 * many.per_frame()), many)
     }
 

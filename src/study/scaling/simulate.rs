@@ -11,22 +11,19 @@
 //!
 //! A message to somebody who waits takes a latency, and some of its sender's time; one to somebody who is busy lies
 //! there until he looks. The master handles reports in the order of their arrival. Where it has no core of its own, it
-//! lives on that of one worker, as systems leave it: that one pays no wake-ups of its own, but what the master does for the
-//! others is taken from its tiles. Only where another has been idle for long does the master move there.
+//! lives on that of the last worker: that one pays no wake-ups of its own, but what the master does is taken from its
+//! tiles, and the others' reports find it faster while the core is busy, but for a few that find it late.
 
 mod state;
 
 use super::costs::Costs;
 use crate::schedule::{
     Dealer, End, FilmMode, FrameStats, Idle, MasterSeconds, Messages, Pause, Pinned, Plan, Run, Schedule,
-    Span, Strategy, WorkerStats,
+    SharedCore, Span, Strategy, WorkerStats,
 };
 use state::{Event, Flight, Report, Task, What, Worker, take_first};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
-
-/// A core that has been idle for so many seconds is where the system moves a thread that has to share one.
-const LONG_IDLE: f64 = 0.5e-3;
 
 /// How many frames follow each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,26 +54,29 @@ pub struct Replay {
     pub seconds: Vec<f64>,
 }
 
-/// Predicts a stream of frames: those that others follow, and the last one.
+/// Predicts a stream of frames: those that others follow, and the last one. `slowness` has a factor for each worker: so many
+/// times what they cost its tiles take.
 ///
 /// # Panics
 /// If there is not one cost per tile, or no worker.
 pub fn simulate(
     schedule: Schedule,
-    workers: usize,
+    slowness: &[f64],
     flow: Flow,
     replay: impl Fn(End) -> Replay,
     costs: &Costs,
 ) -> FrameStats {
     let replays = [End::Overlapped, End::Awaited].map(replay);
     let complete = |replay: &Replay| replay.seconds.len() == replay.plan.tiles.len();
-    assert!(workers > 0 && replays.iter().all(complete), "a cost for every tile, and a worker");
-    let mut run = Simulation::new(schedule, workers, flow, &replays, costs);
+    assert!(!slowness.is_empty() && replays.iter().all(complete), "a cost for every tile, and a worker");
+    let mut run = Simulation::new(schedule, slowness, flow, &replays, costs);
     run.begin_frames(0.0);
     while let Some(Reverse(event)) = run.events.pop() {
         match event.what {
             What::Look(worker) => run.look(worker, event.at()),
+            What::Post(worker, finished) => run.post(worker, event.at(), finished),
             What::Arrive(report) => run.arrive(report, event.at()),
+            What::Handled(number) => run.handled(number, event.at()),
         }
     }
     run.stats()
@@ -93,7 +93,15 @@ struct Simulation<'a> {
     workers: Vec<Worker>,
     events: BinaryHeap<Reverse<Event>>,
     number: u64,
+    /// What the master has not handled yet; it is on the first one.
+    inbox: VecDeque<Report>,
     master_free: f64,
+    /// Late wake-ups of the master that are due.
+    lateness: f64,
+    /// Until when the master waits for its turn on the core of a busy worker.
+    late_until: f64,
+    /// Reports handled, counted again where the master came to its turn early.
+    handling: u64,
     end: f64,
     spans: Vec<Span>,
     pauses: Vec<Pause>,
@@ -105,13 +113,13 @@ struct Simulation<'a> {
 impl<'a> Simulation<'a> {
     fn new(
         schedule: Schedule,
-        workers: usize,
+        slowness: &[f64],
         flow: Flow,
         replays: &'a [Replay; 2],
         costs: &'a Costs,
     ) -> Simulation<'a> {
         let parcels = schedule.strategy.parcels();
-        let worker = || Worker { parcels, waits: Some((0.0, false)), ..Worker::default() };
+        let worker = |&slowness| Worker { parcels, slowness, waits: Some((0.0, false)), ..Worker::default() };
         Simulation {
             schedule,
             flow,
@@ -119,10 +127,14 @@ impl<'a> Simulation<'a> {
             costs,
             begun: 0,
             flights: VecDeque::new(),
-            workers: (0..workers).map(|_| worker()).collect(),
+            workers: slowness.iter().map(worker).collect(),
             events: BinaryHeap::new(),
             number: 0,
+            inbox: VecDeque::new(),
             master_free: 0.0,
+            lateness: 0.0,
+            late_until: 0.0,
+            handling: 0,
             end: 0.0,
             spans: Vec::with_capacity(flow.frames * replays[0].plan.tiles.len()),
             pauses: vec![],
@@ -200,11 +212,16 @@ impl<'a> Simulation<'a> {
         (self.workers.len() >= self.costs.cores).then(|| self.workers.len() - 1)
     }
 
+    /// The host, if it computes at `now`. Who has just been woken has an event, and who waits has time.
+    fn busy_host(&self, now: f64) -> Option<usize> {
+        self.host().filter(|&host| self.workers[host].waits.is_none() && self.workers[host].wakes <= now)
+    }
+
     /// The master lays something on a worker's desk, and wakes it if it waits.
     fn lay(&mut self, worker: usize, parcel: bool, task: Option<Task>) {
         let (reply, latency) = match self.host() == Some(worker) {
             // It goes on when the master lies down.
-            true => (0.0, self.costs.switch),
+            true => (0.0, self.costs.shared.switch / 2.0),
             false => (self.costs.reply, self.costs.to_worker),
         };
         if let Some(Task { frame, .. }) = task
@@ -233,15 +250,17 @@ impl<'a> Simulation<'a> {
     /// The worker goes on at `now`.
     fn look(&mut self, worker: usize, now: f64) {
         let desk = &mut self.workers[worker];
+        let stood = std::mem::take(&mut desk.stood);
+        if stood > 0.0 {
+            self.at(now + stood, What::Look(worker));
+            return;
+        }
         if desk.task.is_none() {
             desk.task = desk.waiting.pop_front();
         }
-        if desk.task.is_none() {
-            desk.waits = Some((now, false));
-            return;
-        }
-        if desk.parcels == 0 {
-            desk.waits = Some((now, true));
+        if desk.task.is_none() || desk.parcels == 0 {
+            desk.waits = Some((now, desk.task.is_some()));
+            self.give_way(worker, now);
             return;
         }
         let Some((frame, place, now)) = self.take_tile(worker, now) else {
@@ -253,14 +272,14 @@ impl<'a> Simulation<'a> {
         let Replay { plan, seconds } = &self.replays[replay];
         let desk = &mut self.workers[worker];
         let start = now;
-        let end = start + std::mem::take(&mut desk.debt) + seconds[place] * self.costs.inflation;
+        let end = start + std::mem::take(&mut desk.debt) + seconds[place] * desk.slowness;
         desk.filled.0 += 1;
         desk.filled.1 += plan.tiles[place].len();
         self.spans.push(Span { frame, worker, tile: plan.tiles[place], start, end });
         let end = end + self.costs.tile;
         let last = desk.task.is_none_or(|task| task.run.is_empty()) && !stealing;
         if last || self.schedule.film == FilmMode::Messages {
-            self.post(worker, end, last);
+            self.at(end, What::Post(worker, last));
         } else {
             self.at(end, What::Look(worker));
         }
@@ -298,8 +317,14 @@ impl<'a> Simulation<'a> {
             desk.task = None;
         }
         // Who finds the master asleep wakes it; on the same core it goes on at once.
-        let asleep = now >= self.master_free && self.host() != Some(worker);
-        let (wakes, latency) = if asleep { (self.costs.send, self.costs.to_master) } else { (0.0, 0.0) };
+        let awake = now < self.master_free || !self.inbox.is_empty();
+        let (wakes, latency) = if awake || self.host() == Some(worker) {
+            (0.0, 0.0)
+        } else if self.busy_host(now).is_some() {
+            (self.costs.shared.send, self.costs.shared.latency)
+        } else {
+            (self.costs.send, self.costs.to_master)
+        };
         let arrives = now + wakes + latency;
         self.reports.count += 1;
         self.at(arrives, What::Arrive(Report { worker, frame, tiles, pixels, finished }));
@@ -307,13 +332,39 @@ impl<'a> Simulation<'a> {
     }
 
     fn arrive(&mut self, report: Report, now: f64) {
-        let begin = now.max(self.master_free);
+        self.inbox.push_back(report);
+        if self.inbox.len() == 1 {
+            self.handle(report, now, now >= self.master_free);
+        }
+    }
+
+    /// The master begins with a report at `now`, or as soon as it is free. Whose core it takes stands still meanwhile.
+    fn handle(&mut self, report: Report, now: f64, woken: bool) {
+        let host = self.busy_host(now.max(self.master_free));
+        let late = if host.is_some() && woken { self.lateness() } else { 0.0 };
         let mut work = self.costs.collect + report.tiles as f64 * self.costs.collect_tile;
         if self.schedule.film == FilmMode::Messages {
             work += report.pixels as f64 * 12.0 * self.costs.per_byte;
         }
-        self.master_free = begin + work;
+        self.late_until = now.max(self.master_free) + late;
+        self.master_free = self.late_until + work;
         self.master.reports += work;
+        self.at(self.master_free, What::Handled(self.handling));
+        if let Some(host) = host {
+            let SharedCore { switch, interrupt, .. } = self.costs.shared;
+            let own = report.worker == host && late == 0.0;
+            let wake = if own { switch } else { interrupt };
+            self.workers[host].stand(own, work + if woken { wake } else { 0.0 });
+        }
+    }
+
+    /// The master is done with the first report of its inbox, answers, and goes on with the next one.
+    fn handled(&mut self, number: u64, now: f64) {
+        if number != self.handling {
+            return;
+        }
+        self.handling += 1;
+        let Some(report) = self.inbox.pop_front() else { return };
         if let Some(flight) = self.flight(report.frame) {
             flight.done += report.tiles;
             flight.due -= usize::from(report.finished);
@@ -322,22 +373,37 @@ impl<'a> Simulation<'a> {
         let next = if report.finished { self.next_task() } else { None };
         self.lay(report.worker, true, next);
         self.begin_frames(self.master_free);
-        if let Some(host) = self.host() {
-            self.take_from(host, report.worker, begin);
+        if let Some(host) = self.busy_host(now) {
+            let answering = self.master_free - now;
+            self.workers[host].stand(report.worker == host, answering);
         }
         self.end = self.end.max(self.master_free);
+        if let Some(&next) = self.inbox.front() {
+            self.handle(next, self.master_free, false);
+        }
     }
 
-    /// The master ran from `begin` on for a report of `reporter`, on the core of `host` unless another is long idle.
-    fn take_from(&mut self, host: usize, reporter: usize, begin: f64) {
-        let idle = |worker: &Worker| worker.waits.is_some_and(|(since, _)| begin - since > LONG_IDLE);
-        // Who has just been woken has an event, and who waits has time.
-        let busy = self.workers[host].waits.is_none() && self.workers[host].wakes <= begin;
-        if busy && !self.workers.iter().any(idle) {
-            let Costs { switch, interrupt, .. } = *self.costs;
-            let extra = if reporter == host { switch } else { switch + interrupt };
-            self.workers[host].debt += self.master_free - begin + extra;
+    /// The worker waits: a master that waits for its turn on the same core has it now.
+    fn give_way(&mut self, worker: usize, now: f64) {
+        if self.host() == Some(worker) && now < self.late_until {
+            self.master_free -= self.late_until - now;
+            self.late_until = now;
+            self.handling += 1;
+            self.at(self.master_free, What::Handled(self.handling));
         }
+    }
+
+    /// How much later than usual a master on the core of a busy worker wakes up. Workers that wait for every answer give it
+    /// their core in time.
+    fn lateness(&mut self) -> f64 {
+        let SharedCore { late, delay, .. } = self.costs.shared;
+        if self.schedule.strategy.parcels() == 1 {
+            return 0.0;
+        }
+        self.lateness += late;
+        let is_late = self.lateness >= 1.0;
+        self.lateness -= f64::from(is_late);
+        if is_late { delay } else { 0.0 }
     }
 
     fn stats(mut self) -> FrameStats {

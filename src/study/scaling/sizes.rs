@@ -123,7 +123,9 @@ pub fn tile_sizes(
             let measured = measured.get(&(size.side, count));
             let predicted = || {
                 let flow = flow.of(count, LONGEST_SIMULATED);
-                size.costs.simulate(schedule, count, flow, &size.tiles, &costs.on_cores(count)).per_frame()
+                size.costs
+                    .simulate(schedule, &vec![1.0; count], flow, &size.tiles, &costs.on_cores(count))
+                    .per_frame()
             };
             rows.push(SizeRow {
                 scene: scene.name.clone(),

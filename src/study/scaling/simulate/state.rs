@@ -22,8 +22,12 @@ impl Event {
 pub(super) enum What {
     /// The worker looks what to do next.
     Look(usize),
+    /// The worker sends its parcel; second, whether its task is finished.
+    Post(usize, bool),
     /// A report reaches the master.
     Arrive(Report),
+    /// The master is done with the report that it handled under this number.
+    Handled(u64),
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -44,6 +48,8 @@ pub(super) struct Task {
 
 #[derive(Default)]
 pub(super) struct Worker {
+    /// By which factor its tiles take longer than they cost.
+    pub(super) slowness: f64,
     /// What is left of the task it is on; a stealing worker's tiles are in its frame's ranges.
     pub(super) task: Option<Task>,
     pub(super) waiting: VecDeque<Task>,
@@ -56,9 +62,18 @@ pub(super) struct Worker {
     pub(super) wakes: f64,
     /// Results in the parcel being filled: tiles, pixels.
     pub(super) filled: (usize, usize),
-    /// Time that the master took from it.
+    /// Time that the master took from it between two tiles, ...
+    pub(super) stood: f64,
+    /// ... and in the middle of one.
     pub(super) debt: f64,
     pub(super) steals: usize,
+}
+
+impl Worker {
+    /// The master takes so much time from it: for its own report between two of its tiles, for others' in the middle of one.
+    pub(super) fn stand(&mut self, own: bool, seconds: f64) {
+        *(if own { &mut self.stood } else { &mut self.debt }) += seconds;
+    }
 }
 
 /// A frame in flight.

@@ -14,12 +14,13 @@ const FREE: Costs = Costs {
     collect_tile: 0.0,
     tile: 0.0,
     steal: 0.0,
-    switch: 0.0,
-    interrupt: 0.0,
+    shared: SHARED,
     per_byte: 0.0,
     cores: usize::MAX,
-    inflation: 1.0,
 };
+
+const SHARED: SharedCore =
+    SharedCore { send: 0.0, latency: 0.0, interrupt: 0.0, switch: 0.0, late: 0.0, delay: 0.0 };
 
 /// Every pixel costs one, in tiles of 4x4.
 fn frame(schedule: Schedule, workers: usize, side: u32, costs: &Costs) -> FrameStats {
@@ -33,7 +34,7 @@ fn stream(schedule: Schedule, workers: usize, flow: Flow, side: u32, costs: &Cos
         let seconds = plan.tiles.iter().map(|tile| tile.len() as f64).collect();
         Replay { plan, seconds }
     };
-    simulate(schedule, workers, flow, replay, costs)
+    simulate(schedule, &vec![1.0; workers], flow, replay, costs)
 }
 
 /// A stream of tiles of 4x4 that cost so much, which are never cut.
@@ -44,7 +45,7 @@ fn given(strategy: Strategy, workers: usize, flow: Flow, seconds: &[f64], costs:
         let plan = Plan::new(strategy, workers, end, &tiles, &CostMap::default());
         Replay { plan, seconds: seconds.to_vec() }
     };
-    simulate(Schedule { strategy, film: FilmMode::Shared }, workers, flow, replay, costs)
+    simulate(Schedule { strategy, film: FilmMode::Shared }, &vec![1.0; workers], flow, replay, costs)
 }
 
 #[test]
@@ -166,17 +167,18 @@ fn by_hand_every_step_of_a_round_trip_takes_its_time() {
 
 #[test]
 fn by_hand_a_master_without_a_core_takes_that_of_its_worker() {
-    let costs = Costs { collect: 3.0, switch: 1.0, ..FREE };
+    let costs = Costs { collect: 3.0, shared: SharedCore { switch: 1.0, ..SHARED }, ..FREE };
     let schedule = Schedule { strategy: Strategy::NonBlocking, film: FilmMode::Shared };
     let time = |cores| frame(schedule, 1, 16, &Costs { cores, ..costs }).seconds;
-    // It is woken by a switch; after each tile but the last one it stands still for the report and two switches.
-    assert!((time(1) - (1.0 + 256.0 + 15.0 * 4.0 + 3.0)).abs() < 1e-6, "{}", time(1));
+    // It is woken by half a switch; after each tile but the last one it stands still for the report and a switch.
+    assert!((time(1) - (0.5 + 256.0 + 15.0 * 4.0 + 3.0)).abs() < 1e-6, "{}", time(1));
     assert!((time(2) - (256.0 + 3.0)).abs() < 1e-6, "{}", time(2));
 }
 
 #[test]
 fn by_hand_the_host_of_the_master_pays_for_the_reports_of_others_and_saves_its_own_wake_ups() {
-    let costs = Costs { collect: 1.0, interrupt: 2.0, to_master: 0.5, to_worker: 0.5, cores: 2, ..FREE };
+    let shared = SharedCore::punctual(0.25, 0.125, 2.0, 0.5);
+    let costs = Costs { collect: 1.0, shared, to_master: 0.5, to_worker: 0.5, cores: 2, ..FREE };
     // Two tiles each, a report at the end.
     let seconds = [4.0, 4.0, 40.0, 40.0];
     let stats = given(Strategy::StaticCyclic, 2, Flow::ONE, &seconds, &costs);
@@ -184,26 +186,15 @@ fn by_hand_the_host_of_the_master_pays_for_the_reports_of_others_and_saves_its_o
     assert_eq!(ends(0).sum::<f64>(), 4.0 + 40.0, "nobody takes from it");
     let dynamic = given(Strategy::Dynamic, 2, Flow::ONE, &[10.0, 35.0, 10.0, 10.0], &costs);
     let of = |worker| dynamic.spans.iter().filter(move |s| s.worker == worker);
-    // The other one comes three times while the host is on its one tile, and pays its way there and back.
+    // The other one comes three times while the host is on its one tile, and pays its shorter way there, and its way back.
     assert_eq!([of(0).count(), of(1).count()], [3, 1]);
     let starts: Vec<f64> = of(0).map(|span| span.start).collect();
-    assert_eq!(starts, [0.5, 12.5, 24.5]);
+    assert_eq!(starts, [0.5, 12.375, 24.25]);
     let next = given(Strategy::Dynamic, 2, Flow::ONE, &[10.0, 15.0, 10.0, 10.0], &costs);
     let last = next.spans.iter().find(|s| s.worker == 1 && s.start > 1.0).unwrap();
-    // Its own report, the tile, and the other's report with the interruption.
-    assert_eq!(last.end, 15.0 + 1.0 + 10.0 + (1.0 + 2.0), "taken from the tile after");
-}
-
-#[test]
-fn the_master_moves_to_a_core_that_is_idle_for_long() {
-    let costs = Costs { collect: 1e-4, interrupt: 1e-4, cores: 3, ..FREE };
-    // Places 0 to 4, 5 to 9 and 10 to 15; the last worker, the host, is on a long tile when the others report. The first
-    // of them finds nobody idle, and its report is taken from the host; the second one finds the first.
-    let mut seconds = vec![1e-3; 16];
-    (seconds[9], seconds[12]) = (0.5, 1.0);
-    let stats = given(Strategy::Static, 3, Flow::ONE, &seconds, &costs);
-    let taken: f64 = stats.spans.iter().map(|s| s.end - s.start).sum::<f64>() - seconds.iter().sum::<f64>();
-    assert!((taken - 2e-4).abs() < 1e-9, "{taken}");
+    // Half a switch, a tile, its own report, the next tile, and within that the other's report with the interruption.
+    assert_eq!(last.start, 0.25 + 15.0 + (1.0 + 0.5));
+    assert_eq!(last.end, last.start + 10.0 + (1.0 + 2.0), "taken from the tile after");
 }
 
 #[test]
@@ -276,11 +267,60 @@ fn with_frames_in_flight_nobody_waits_at_their_ends() {
 }
 
 #[test]
-fn inflation_is_in_every_tile_and_nowhere_else() {
+fn a_slow_worker_is_slow_in_its_tiles_and_nowhere_else() {
     let costs = Costs { to_master: 2.0, to_worker: 2.0, ..FREE };
-    let schedule = Schedule { strategy: Strategy::NonBlocking, film: FilmMode::Shared };
-    let seconds = frame(schedule, 1, 16, &costs.inflated(1.5)).seconds;
-    assert!((seconds - (2.0 + 1.5 * 256.0 + 2.0)).abs() < 1e-6, "{seconds}");
+    let replay = |_| {
+        let tiles = tiles(16, 16, 4, Order::Hilbert);
+        let plan = Plan::new(Strategy::StaticCyclic, 2, End::Awaited, &tiles, &CostMap::default());
+        Replay { seconds: vec![16.0; plan.tiles.len()], plan }
+    };
+    let schedule = Schedule { strategy: Strategy::StaticCyclic, film: FilmMode::Shared };
+    let stats = simulate(schedule, &[1.0, 1.5], Flow::ONE, replay, &costs);
+    let busy: Vec<f64> = stats.workers.iter().map(|worker| worker.busy_seconds).collect();
+    assert!((busy[0] - 128.0).abs() < 1e-6 && (busy[1] - 1.5 * 128.0).abs() < 1e-6, "{busy:?}");
+    assert!((stats.seconds - (2.0 + 1.5 * 128.0 + 2.0)).abs() < 1e-6, "{}", stats.seconds);
+}
+
+#[test]
+fn by_hand_its_own_reports_keep_the_host_between_tiles_and_those_of_others_within_them() {
+    let shared = SharedCore::punctual(0.0, 0.0, 2.0, 0.5);
+    let costs = Costs { collect: 1.0, shared, cores: 2, ..FREE };
+    // The host reports after 10 and goes on 1.5 later; the other one reports at 30, within the host's second tile.
+    let stats = given(Strategy::NonBlocking, 2, Flow::ONE, &[30.0, 10.0, 40.0, 5.0], &costs);
+    let of = |worker| stats.spans.iter().filter(move |s| s.worker == worker);
+    let host: Vec<(f64, f64)> = of(1).map(|span| (span.start, span.end)).collect();
+    assert_eq!(host[0], (0.25, 10.25));
+    assert_eq!(host[1].0, 11.75);
+}
+
+/// Tiles of these seconds, two tasks at once for each of two workers; so many wake-ups of the master are 9 late.
+fn with_late_wake_ups(late: f64, seconds: &[f64]) -> FrameStats {
+    let costs = Costs { shared: SharedCore { late, delay: 9.0, ..SHARED }, cores: 2, ..FREE };
+    given(Strategy::NonBlocking, 2, Flow::ONE, seconds, &costs)
+}
+
+#[test]
+fn by_hand_every_so_many_wake_ups_are_late_and_the_host_computes_meanwhile() {
+    // The host has one long tile, the other one what is left but one.
+    let seconds = [2.0, 90.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0];
+    let starts = |late| -> Vec<f64> {
+        let stats = with_late_wake_ups(late, &seconds);
+        assert!(stats.spans.iter().any(|span| span.worker == 1 && span.end == 90.0));
+        stats.spans.iter().filter(|span| span.worker == 0).map(|span| span.start).collect()
+    };
+    assert_eq!(starts(0.0), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0]);
+    // The reports of two tiles lie there until 9 after the first one.
+    assert_eq!(starts(1.0), [0.0, 2.0, 11.0, 13.0, 22.0, 24.0, 33.0]);
+    // Only each second wake-up is late.
+    assert_eq!(starts(0.5)[..5], [0.0, 2.0, 4.0, 13.0, 15.0]);
+}
+
+#[test]
+fn a_late_master_has_its_turn_once_its_host_waits() {
+    let end = |seconds: &[f64]| with_late_wake_ups(1.0, seconds).seconds;
+    // The report at 2 is handled at 11, unless both of the host's tiles have ended.
+    assert_eq!(end(&[2.0, 10.0, 2.0, 30.0]), 40.0);
+    assert_eq!(end(&[2.0, 3.0, 2.0, 3.0]), 6.0);
 }
 
 #[test]
@@ -293,7 +333,7 @@ fn the_plan_of_an_overlapped_end_is_for_frames_that_others_follow_at_once() {
     };
     let schedule = Schedule { strategy: Strategy::Dynamic, film: FilmMode::Shared };
     for (in_flight, expected) in [(1, [4, 4, 4]), (2, [1, 1, 4])] {
-        let stats = simulate(schedule, 2, Flow { frames: 3, in_flight }, replay, &FREE);
+        let stats = simulate(schedule, &[1.0; 2], Flow { frames: 3, in_flight }, replay, &FREE);
         let count = |frame| stats.spans.iter().filter(|span| span.frame == frame).count();
         assert_eq!([0, 1, 2].map(count), expected, "{in_flight} in flight");
     }

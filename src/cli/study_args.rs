@@ -85,7 +85,7 @@ pub(super) struct AccuracyArgs {
     /// Smaller images and fewer rounds: less than a minute for a scene on two cores
     #[arg(long)]
     pub(super) quick: bool,
-    /// Longest side of the images in pixels; half of it for scenes whose light takes many rays [default: 512, quick 256]
+    /// Longest side of the images in pixels; a quarter of it for scenes whose light takes many rays [default: 512, quick 192]
     #[arg(
         long, value_name = "N", value_parser = whole(16..=4096u32), allow_negative_numbers = true
     )]
@@ -95,7 +95,7 @@ pub(super) struct AccuracyArgs {
         long, value_name = "N", default_value = "256", value_parser = whole(2..=65_536u32), allow_negative_numbers = true
     )]
     pub(super) converged: u32,
-    /// Rounds at least of each mode and the default by turns [default: 5, quick 3]
+    /// Rounds at least of each mode and the default by turns [default: 3, quick 2]
     #[arg(
         long, value_name = "N", value_parser = whole(1..=1000usize), allow_negative_numbers = true
     )]

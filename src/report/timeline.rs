@@ -35,7 +35,7 @@ pub fn timeline_svg(title: &str, stats: &FrameStats) -> String {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0} {:.0}\" font-family=\"sans-serif\" \
          font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<text x=\"{MARGIN}\" y=\"20\" \
          font-size=\"14\">{}</text>\n",
-        MARGIN + WIDTH + 20.0,
+        MARGIN + WIDTH + 32.0,
         top + height + 36.0,
         escape(title)
     );

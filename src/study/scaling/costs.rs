@@ -298,4 +298,37 @@ mod tests {
         stats.reports.awaited = 2;
         assert_eq!(blind.seen_in(&[stats], dynamic), blind);
     }
+
+    #[test]
+    fn on_a_slower_core_everything_takes_longer_but_a_time_slice() {
+        let costs = Costs {
+            prepare: 1.0,
+            send: 2.0,
+            reply: 3.0,
+            to_master: 4.0,
+            to_worker: 5.0,
+            collect: 6.0,
+            collect_tile: 7.0,
+            tile: 8.0,
+            steal: 9.0,
+            shared: SharedCore { late: 0.5, delay: 3.0, ..SharedCore::punctual(10.0, 11.0, 12.0, 13.0) },
+            per_byte: 14.0,
+            cores: 2,
+        };
+        let twice = Costs {
+            prepare: 2.0,
+            send: 4.0,
+            reply: 6.0,
+            to_master: 8.0,
+            to_worker: 10.0,
+            collect: 12.0,
+            collect_tile: 14.0,
+            tile: 16.0,
+            steal: 18.0,
+            shared: SharedCore { late: 0.5, delay: 3.0, ..SharedCore::punctual(20.0, 22.0, 24.0, 26.0) },
+            per_byte: 28.0,
+            cores: 2,
+        };
+        assert_eq!(costs.slower(2.0), twice);
+    }
 }

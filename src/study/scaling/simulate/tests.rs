@@ -324,6 +324,21 @@ fn a_late_master_has_its_turn_once_its_host_waits() {
 }
 
 #[test]
+fn a_host_that_waits_for_every_answer_keeps_nobody_waiting() {
+    let time = |late, strategy| {
+        let costs = Costs { shared: SharedCore { late, delay: 9.0, ..SHARED }, cores: 2, ..FREE };
+        given(strategy, 2, Flow::ONE, &[2.0, 90.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0], &costs).seconds
+    };
+    for strategy in Strategy::ALL {
+        let (punctual, late) = (time(0.0, strategy), time(1.0, strategy));
+        assert!(strategy.parcels() > 1 || punctual == late, "{strategy}: {punctual} {late}");
+    }
+    // Alone on the machine: the master has a core.
+    let costs = Costs { shared: SharedCore { late: 1.0, delay: 9.0, ..SHARED }, ..FREE };
+    assert_eq!(given(Strategy::NonBlocking, 1, Flow::ONE, &[1.0; 4], &costs).seconds, 4.0);
+}
+
+#[test]
 fn the_plan_of_an_overlapped_end_is_for_frames_that_others_follow_at_once() {
     // One tile, or four where the end is awaited.
     let replay = |end| {

@@ -10,11 +10,11 @@ use std::time::Duration;
 #[test]
 fn a_slow_tile_holds_up_only_its_own_worker() {
     in_time(|| {
-        with_counting(2, |master| {
-            // Static strategies leave the tiles behind a slow one to its worker, whatever happens.
-            let asks = |s: &Schedule| !matches!(s.strategy, Strategy::Static | Strategy::StaticCyclic);
-            for schedule in Schedule::all().filter(asks) {
-                check_frame(master, schedule, [64, 64], 8);
+        // Static strategies leave the tiles behind a slow one to its worker, whatever happens.
+        let asks = |s: &Schedule| !matches!(s.strategy, Strategy::Static | Strategy::StaticCyclic);
+        for schedule in Schedule::all().filter(asks) {
+            // A new master knows no costs: those of a frame on a busy machine would decide how many tiles a task has.
+            with_counting(2, |master| {
                 let frame = Visits::new(64, 64).with(0, 0, Mishap::Sleep(Duration::from_millis(300)));
                 let tiles = tiles(64, 64, 8, Order::Scanline);
                 let (_, stats) =
@@ -24,10 +24,10 @@ fn a_slow_tile_holds_up_only_its_own_worker() {
                 let late = stats.spans.iter().filter(|span| span.start > slow.end).count();
                 let most = if schedule.strategy.shrinks() { 24 } else { 2 };
                 assert!(late <= most, "{schedule:?}: {late} tiles waited");
-            }
-            Ok(())
-        })
-        .unwrap();
+                Ok(())
+            })
+            .unwrap();
+        }
     });
 }
 

@@ -183,13 +183,15 @@ impl Study<'_> {
         };
         let predictions: Vec<f64> =
             measured.slowness(one).iter().map(|round| predict(&told(round)).0).collect();
+        // One worker against itself, which no rounding should tell from 1.
+        let itself = |value: f64| if workers == 1 { 1.0 } else { value };
         ScalingRow {
             simulated: false,
             efficiency: median(&ratios),
             fastest: against(least(&alone), least(&seconds)),
             seconds,
-            inflation: measured.inflation(one),
-            predicted: Some(median(&predictions)),
+            inflation: itself(measured.inflation(one)),
+            predicted: Some(itself(median(&predictions))),
             frame: measured.median_stream().clone(),
             ..self.row(measured.schedule, workers)
         }

@@ -20,7 +20,9 @@ const FRAMES: usize = 21;
 const MESSAGES: usize = 3000;
 /// Tiles in a side of an image of empty tiles, where the time per tile matters ...
 const SIDE: u32 = 128;
-/// ... and where the time per frame does.
+/// ... the same of strategies that answer every tile: a message takes as long as hundreds of tiles do.
+const ANSWERED_SIDE: u32 = 32;
+/// ... and where the time per frame matters.
 const SMALL_SIDE: u32 = 16;
 /// A stream with fewer messages than one for so many tiles tells little of what they cost.
 const TILES_PER_MESSAGE: f64 = 4.0;
@@ -129,7 +131,8 @@ impl Costs {
     pub fn measure(pin: bool) -> Result<Costs> {
         let frames =
             |strategy, side| empty_frames(Schedule { strategy, film: FilmMode::Shared }, 1, pin, side);
-        let (stealing, dynamic) = (frames(Strategy::Stealing, SIDE)?, frames(Strategy::Dynamic, SIDE)?);
+        let (stealing, dynamic) =
+            (frames(Strategy::Stealing, SIDE)?, frames(Strategy::Dynamic, ANSWERED_SIDE)?);
         let small = frames(Strategy::Dynamic, SMALL_SIDE)?;
         let count = f64::from(SIDE * SIDE);
         let last = |stats: &FrameStats| stats.spans.iter().fold(0.0, |end: f64, span| end.max(span.end));
@@ -167,7 +170,11 @@ impl Costs {
 /// # Errors
 /// [`crate::error::Error::Flag`] if a thread cannot be started.
 pub fn overhead_per_tile(schedule: Schedule, workers: usize, pin: bool) -> Result<f64> {
-    let frames = empty_frames(schedule, workers, pin, SIDE)?;
+    let side = match schedule.strategy {
+        Strategy::Dynamic | Strategy::Overlap | Strategy::NonBlocking => ANSWERED_SIDE,
+        _ => SIDE,
+    };
+    let frames = empty_frames(schedule, workers, pin, side)?;
     Ok(quiet(&frames, |stats| stats.seconds / stats.spans.len() as f64))
 }
 

@@ -108,8 +108,8 @@ pub(super) struct Method<'a> {
 }
 
 impl Method<'_> {
-    /// Measures, on a thread of its own, which is pinned; `control` is not told of
-    /// progress. The first frames of new workers are not counted.
+    /// Measures, on a thread of its own, which is pinned; `control` is not told of progress. The first frames of new
+    /// workers are not counted.
     ///
     /// # Errors
     /// As [`Session::stream`], and [`crate::error::Error::Failed`] if two images differ.

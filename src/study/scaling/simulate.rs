@@ -100,6 +100,8 @@ struct Simulation<'a> {
     lateness: f64,
     /// Until when the master waits for its turn on the core of a busy worker.
     late_until: f64,
+    /// What the report being handled takes from a tile of the host.
+    owed: f64,
     /// Reports handled, counted again where the master came to its turn early.
     handling: u64,
     end: f64,
@@ -134,6 +136,7 @@ impl<'a> Simulation<'a> {
             master_free: 0.0,
             lateness: 0.0,
             late_until: 0.0,
+            owed: 0.0,
             handling: 0,
             end: 0.0,
             spans: Vec::with_capacity(flow.frames * replays[0].plan.tiles.len()),
@@ -317,8 +320,7 @@ impl<'a> Simulation<'a> {
             desk.task = None;
         }
         // Who finds the master asleep wakes it; on the same core it goes on at once.
-        let awake = now < self.master_free || !self.inbox.is_empty();
-        let (wakes, latency) = if awake || self.host() == Some(worker) {
+        let (wakes, latency) = if now < self.master_free || self.host() == Some(worker) {
             (0.0, 0.0)
         } else if self.busy_host(now).is_some() {
             (self.costs.shared.send, self.costs.shared.latency)
@@ -338,7 +340,7 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// The master begins with a report at `now`, or as soon as it is free. Whose core it takes stands still meanwhile.
+    /// The master begins with a report at `now`, or as soon as it is free. Whoever computes on its core stands still meanwhile.
     fn handle(&mut self, report: Report, now: f64, woken: bool) {
         let host = self.busy_host(now.max(self.master_free));
         let late = if host.is_some() && woken { self.lateness() } else { 0.0 };
@@ -350,11 +352,14 @@ impl<'a> Simulation<'a> {
         self.master_free = self.late_until + work;
         self.master.reports += work;
         self.at(self.master_free, What::Handled(self.handling));
-        if let Some(host) = host {
-            let SharedCore { switch, interrupt, .. } = self.costs.shared;
-            let own = report.worker == host && late == 0.0;
-            let wake = if own { switch } else { interrupt };
-            self.workers[host].stand(own, work + if woken { wake } else { 0.0 });
+        let SharedCore { switch, interrupt, .. } = self.costs.shared;
+        let own = host == Some(report.worker) && late == 0.0;
+        let wake = if own { switch } else { interrupt };
+        let taken = work + if woken { wake } else { 0.0 };
+        self.owed = if host.is_some() && !own { taken } else { 0.0 };
+        // Who stands between two tiles must know before it goes on.
+        if let Some(host) = host.filter(|_| own) {
+            self.workers[host].stood += taken;
         }
     }
 
@@ -373,9 +378,9 @@ impl<'a> Simulation<'a> {
         let next = if report.finished { self.next_task() } else { None };
         self.lay(report.worker, true, next);
         self.begin_frames(self.master_free);
+        // If it waits meanwhile, nothing was taken from it.
         if let Some(host) = self.busy_host(now) {
-            let answering = self.master_free - now;
-            self.workers[host].stand(report.worker == host, answering);
+            self.workers[host].debt += self.owed + self.master_free - now;
         }
         self.end = self.end.max(self.master_free);
         if let Some(&next) = self.inbox.front() {

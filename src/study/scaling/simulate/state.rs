@@ -69,13 +69,6 @@ pub(super) struct Worker {
     pub(super) steals: usize,
 }
 
-impl Worker {
-    /// The master takes so much time from it: for its own report between two of its tiles, for others' in the middle of one.
-    pub(super) fn stand(&mut self, own: bool, seconds: f64) {
-        *(if own { &mut self.stood } else { &mut self.debt }) += seconds;
-    }
-}
-
 /// A frame in flight.
 pub(super) struct Flight {
     pub(super) number: usize,

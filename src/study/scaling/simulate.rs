@@ -356,7 +356,7 @@ impl<'a> Simulation<'a> {
         let own = host == Some(report.worker) && late == 0.0;
         let wake = if own { switch } else { interrupt };
         let taken = work + if woken { wake } else { 0.0 };
-        self.owed = if host.is_some() && !own { taken } else { 0.0 };
+        self.owed = if own { 0.0 } else { taken };
         // Who stands between two tiles must know before it goes on.
         if let Some(host) = host.filter(|_| own) {
             self.workers[host].stood += taken;
@@ -369,6 +369,7 @@ impl<'a> Simulation<'a> {
             return;
         }
         self.handling += 1;
+        let host = self.busy_host(now);
         let Some(report) = self.inbox.pop_front() else { return };
         if let Some(flight) = self.flight(report.frame) {
             flight.done += report.tiles;
@@ -379,7 +380,7 @@ impl<'a> Simulation<'a> {
         self.lay(report.worker, true, next);
         self.begin_frames(self.master_free);
         // If it waits meanwhile, nothing was taken from it.
-        if let Some(host) = self.busy_host(now) {
+        if let Some(host) = host {
             self.workers[host].debt += self.owed + self.master_free - now;
         }
         self.end = self.end.max(self.master_free);

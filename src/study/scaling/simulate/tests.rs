@@ -341,10 +341,14 @@ fn a_host_that_waits_for_every_answer_keeps_nobody_waiting() {
 fn a_master_that_had_its_turn_early_still_takes_its_time_for_every_report() {
     let costs =
         Costs { collect: 5.0, shared: SharedCore { late: 1.0, delay: 9.0, ..SHARED }, cores: 2, ..FREE };
-    let stats = given(Strategy::NonBlocking, 2, Flow::ONE, &[2.0, 3.0, 2.0, 3.0], &costs);
-    // Late from 2 until the host waits at 6; then four reports of 5 each.
-    assert_eq!(stats.seconds, 6.0 + 4.0 * 5.0);
-    assert!(stats.spans.iter().all(|span| span.end <= 6.0), "nothing was taken from a tile");
+    let stats =
+        given(Strategy::NonBlocking, 2, Flow::ONE, &[2.0, 3.0, 2.0, 3.0, 2.0, 3.0, 2.0, 2.0, 2.0], &costs);
+    let of = |worker| stats.spans.iter().filter(move |span| span.worker == worker);
+    // Late from 2 until the host waits at 6; then 5 for each report, in turn from the other one and the host.
+    assert_eq!(of(0).map(|span| span.start).take(4).collect::<Vec<f64>>(), [0.0, 2.0, 11.0, 21.0]);
+    // Two reports were handled while the host waited: nothing is taken from its tile.
+    let third = of(1).nth(2).unwrap();
+    assert_eq!((third.start, third.end), (16.0, 19.0));
 }
 
 #[test]
@@ -379,9 +383,9 @@ fn a_report_finds_the_core_as_it_is_when_it_is_sent() {
     let shared = SharedCore { latency: 1.0, ..SHARED };
     let costs = Costs { to_master: 7.0, shared, cores: 2, ..FREE };
     let time = |seconds: &[f64]| given(Strategy::Static, 2, Flow::ONE, seconds, &costs).seconds;
-    // The host, done at 2, waits when the other one is done at 20; or it computes until 30.
-    assert_eq!(time(&[10.0, 10.0, 1.0, 1.0]), 20.0 + 7.0);
-    assert_eq!(time(&[10.0, 10.0, 10.0, 20.0]), 30.0);
+    // The host is done at 11 and waits when the other one, whose last tile began at 1, is done at 21; or it computes until 41.
+    assert_eq!(time(&[1.0, 20.0, 1.0, 10.0]), 21.0 + 7.0);
+    assert_eq!(time(&[1.0, 20.0, 1.0, 40.0]), 41.0);
 }
 
 #[test]

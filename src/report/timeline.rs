@@ -190,6 +190,7 @@ mod tests {
             tile: 1e-7,
             steal: 1e-6,
             shared: SharedCore::punctual(1e-6, 1e-6, 1e-6, 1e-6),
+            copying: SharedCore::punctual(1e-6, 1e-6, 1e-6, 1e-6),
             per_byte: 1e-9,
             cores: 2,
         };

@@ -4,11 +4,9 @@ mod shared_core;
 
 pub use shared_core::{SharedCore, shared_core_seconds};
 
-use super::mail::Inbox;
-use super::message::Report;
 use crossbeam_deque::Worker as Deque;
 use std::sync::mpsc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Seconds to take half of another worker's tiles: in the quieter quarter of `rounds` steals from a deque of 128 that another
 /// thread has just filled.
@@ -37,36 +35,6 @@ pub fn steal_seconds(rounds: usize) -> f64 {
             while thief.pop().is_some() {}
             let _ = stolen.send(());
             seconds
-        }))
-    })
-}
-
-/// Seconds that a sender spends on waking who waits for its message: in the quieter quarter of `rounds` messages to a parked thread.
-///
-/// # Panics
-/// If `rounds` is 0.
-pub fn wake_seconds(rounds: usize) -> f64 {
-    let inbox: Inbox<()> = Inbox::new();
-    let (told, parked) = mpsc::channel();
-    std::thread::scope(|scope| {
-        scope.spawn(|| {
-            let mut taken = std::collections::VecDeque::new();
-            for _ in 0..rounds {
-                // Before the wait: there is no telling from outside whether it has begun.
-                let _ = told.send(());
-                while taken.is_empty() {
-                    inbox.take(&mut taken, Duration::from_secs(1));
-                }
-                taken.clear();
-            }
-        });
-        quiet((0..rounds).map(|_| {
-            let _ = parked.recv();
-            // Long enough to park, even on a busy machine.
-            std::thread::sleep(Duration::from_micros(200));
-            let start = Instant::now();
-            inbox.post(Report::Lost { worker: 0 });
-            start.elapsed().as_secs_f64()
         }))
     })
 }

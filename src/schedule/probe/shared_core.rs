@@ -8,28 +8,25 @@
 //!                                 <---- interrupt + work -->
 //! ```
 //!
-//! Both cores send, as workers do, and the reader has about as much to do for a message as a master who copies a tile: now and
-//! then the system finds that it had enough for a while, and lets who computes go on to the end of a time slice. Then a message
-//! is late.
+//! Both cores send, as workers do. Now and then the system finds that the reader had enough for a while, the sooner the more it
+//! has to do for a message, and lets who computes go on to the end of a time slice. Then a message is late.
 
-use crate::math::median;
-use crate::schedule::mail::Inbox;
+use crate::schedule::mail::{Desk, Inbox};
 use crate::schedule::message::Report;
 use crate::schedule::pin::{Pinned, pin_current_thread};
+use crate::schedule::policy::compute_in_batches;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
-/// What the reader has to do for a message.
-const WORK: Duration = Duration::from_micros(20);
 /// How long everybody computes between two messages.
 const BETWEEN: Duration = Duration::from_micros(150);
 /// A message is late if it was not read after so many seconds: several times what waking takes, and a part of any time slice.
 const LATE: f64 = 3e-4;
-/// A reader that is not given its turn for so long is not waited for, in nanoseconds.
-const LONGEST: u64 = 20_000_000;
+/// Of who goes on after sending there are so many times as many messages: what is late is rare.
+const MORE: usize = 3;
 
-/// As in the picture above, in seconds.
+/// As in the picture above, in seconds. Means of messages that were alone, and in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SharedCore {
     /// Whoever wakes the reader from another core.
@@ -38,65 +35,140 @@ pub struct SharedCore {
     pub latency: f64,
     /// The one that computed there, and stood still meanwhile.
     pub interrupt: f64,
-    /// The one that computed there, if it was who woke the reader: there and back.
+    /// The one that computed there, if it was who woke the reader, and waits for the answer: there and back.
     pub switch: f64,
-    /// Share of messages that are late.
+    /// The reader, to wake the sender on the other core for the answer.
+    pub reply: f64,
+    /// From then on until the sender goes on.
+    pub back: f64,
+    /// For how long the sender waited for all that. Who waits for longer is on a core that sleeps deeper.
+    pub wait: f64,
+    /// Share of messages that are late where who computes does not wait for answers.
     pub late: f64,
     /// By how much they are, on average.
     pub delay: f64,
 }
 
 impl SharedCore {
-    /// Where nothing is ever late.
-    pub fn punctual(send: f64, latency: f64, interrupt: f64, switch: f64) -> SharedCore {
-        SharedCore { send, latency, interrupt, switch, late: 0.0, delay: 0.0 }
+    /// Where nothing is ever late, and answers to other cores are as dear as where the reader has a core of its own.
+    pub const fn punctual(send: f64, latency: f64, interrupt: f64, switch: f64) -> SharedCore {
+        let (reply, back, wait) = (0.0, 0.0, 0.0);
+        SharedCore { send, latency, interrupt, switch, reply, back, wait, late: 0.0, delay: 0.0 }
+    }
+
+    /// The same where everything takes `factor` times as long. A time slice is still a time slice.
+    pub fn slower(self, factor: f64) -> SharedCore {
+        SharedCore {
+            send: self.send * factor,
+            latency: self.latency * factor,
+            interrupt: self.interrupt * factor,
+            switch: self.switch * factor,
+            reply: self.reply * factor,
+            back: self.back * factor,
+            wait: self.wait * factor,
+            ..self
+        }
     }
 }
 
-/// Measures them with `rounds` messages from `other` to a thread on `core`, where another thread computes and sends as many; of
-/// each the median, and how many are late. `None` if threads cannot be pinned to these CPUs.
+/// Measures them with `rounds` messages and more from `other` to a thread on `core`, where another thread computes and sends as
+/// many; the reader has `work` seconds to do for each. `None` if threads cannot be pinned to these CPUs.
 ///
 /// # Panics
-/// If `rounds` is 0.
-pub fn shared_core_seconds(rounds: usize, core: usize, other: usize) -> Option<SharedCore> {
-    let (theirs, own) = Bench::new().messages(rounds, core, other)?;
-    // The middle, not a quiet moment: now and then the reader is awake already, and nobody has to wake it.
-    let part = |i: usize| median(&theirs.iter().map(|message| message[i]).collect::<Vec<f64>>());
-    let late: Vec<f64> = theirs.iter().map(|message| message[1]).filter(|&latency| latency > LATE).collect();
+/// If `rounds` is 0, or `work` is not a duration.
+pub fn shared_core_seconds(rounds: usize, core: usize, other: usize, work: f64) -> Option<SharedCore> {
+    let work = Duration::from_secs_f64(work);
+    let (theirs, own) = Bench::new(work, true).messages(rounds, core, other)?;
+    let (unanswered, _) = Bench::new(work, false).messages(MORE * rounds, core, other)?;
+    let mean_of = |part: fn(&Trip) -> f64| mean(theirs.iter().filter(|trip| trip.is_usual()).map(part));
+    let own = own.iter().filter(|trip| trip.is_usual());
+    let late: Vec<f64> = unanswered
+        .iter()
+        .filter(|trip| trip.asleep && trip.latency > LATE)
+        .map(|trip| trip.latency)
+        .collect();
     Some(SharedCore {
-        send: part(0),
-        latency: part(1),
-        interrupt: (part(2) - WORK.as_secs_f64()).max(0.0),
-        switch: (median(&own) - WORK.as_secs_f64()).max(0.0),
-        late: late.len() as f64 / rounds as f64,
-        delay: late.iter().sum::<f64>() / late.len().max(1) as f64,
+        send: mean_of(|trip| trip.send),
+        latency: mean_of(|trip| trip.latency),
+        interrupt: mean_of(|trip| trip.gap - trip.work - trip.reply).max(0.0),
+        switch: mean(own.map(|trip| trip.wait - work.as_secs_f64())).max(0.0),
+        reply: mean_of(|trip| trip.reply),
+        back: mean_of(|trip| trip.back).max(0.0),
+        wait: mean_of(|trip| trip.wait),
+        late: late.len() as f64 / unanswered.iter().filter(|trip| trip.asleep).count().max(1) as f64,
+        delay: mean(late.into_iter()),
     })
+}
+
+/// 0 of none.
+fn mean(seconds: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = seconds.fold((0.0, 0.0), |(sum, count), seconds| (sum + seconds, count + 1.0));
+    if count == 0.0 { 0.0 } else { sum / count }
 }
 
 /// Who sends.
 const THEIRS: usize = 0;
 const OWN: usize = 1;
 
+/// A message and its answer, in seconds.
+struct Trip {
+    send: f64,
+    latency: f64,
+    work: f64,
+    reply: f64,
+    back: f64,
+    /// From the beginning of sending until the sender goes on.
+    wait: f64,
+    /// The longest time for which who computes on the core stood still, but for its own messages.
+    gap: f64,
+    /// The reader had nothing to do when the message came, ...
+    asleep: bool,
+    /// ... nor from the other sender until it was answered.
+    alone: bool,
+}
+
+impl Trip {
+    fn is_usual(&self) -> bool {
+        self.asleep && self.alone && self.latency <= LATE
+    }
+}
+
+/// When the reader did what for a sender's last message, in nanoseconds; 0 if it has not.
+#[derive(Default)]
+struct Times {
+    read: AtomicU64,
+    done: AtomicU64,
+    answered: AtomicU64,
+}
+
 struct Bench {
+    work: Duration,
+    /// Whoever sends sleeps until the answer comes.
+    waits: bool,
     inbox: Inbox<()>,
+    desks: [Desk<(), ()>; 2],
     origin: Instant,
     over: AtomicBool,
-    /// When the last message of either sender was read, in nanoseconds, or 0, ...
-    read_at: [AtomicU64; 2],
-    /// ... and when the work for it was done.
-    done_at: [AtomicU64; 2],
-    /// The longest time in nanoseconds for which who computes on the core stood still, but for its own messages.
+    times: [Times; 2],
+    /// Messages begun and ended by the reader.
+    begun: AtomicU64,
+    ended: AtomicU64,
+    /// Of [`Trip::gap`], in nanoseconds.
     gap: AtomicU64,
 }
 
 impl Bench {
-    fn new() -> Bench {
+    fn new(work: Duration, waits: bool) -> Bench {
         Bench {
+            work,
+            waits,
             inbox: Inbox::new(),
+            desks: [Desk::new(), Desk::new()],
             origin: Instant::now(),
             over: AtomicBool::new(false),
-            read_at: [AtomicU64::new(0), AtomicU64::new(0)],
-            done_at: [AtomicU64::new(0), AtomicU64::new(0)],
+            times: Default::default(),
+            begun: AtomicU64::new(0),
+            ended: AtomicU64::new(0),
             gap: AtomicU64::new(0),
         }
     }
@@ -105,14 +177,23 @@ impl Bench {
         self.origin.elapsed().as_nanos() as u64
     }
 
-    /// Of each message from the other core: seconds to send it, from then until it is read, and for which the one that computes
-    /// stood still. Of each message of that one, for how long it stood still.
-    fn messages(&self, rounds: usize, core: usize, other: usize) -> Option<(Vec<[f64; 3]>, Vec<f64>)> {
+    /// Messages from the other core, and of the one that computes on the reader's.
+    fn messages(&self, rounds: usize, core: usize, other: usize) -> Option<(Vec<Trip>, Vec<Trip>)> {
         let pinned = |cpu| matches!(pin_current_thread(Some(cpu)), Pinned::Cpu(_));
+        let read = || {
+            let done = pinned(core).then(|| self.read());
+            // Whoever still waits for an answer.
+            self.desks.iter().for_each(Desk::close);
+            done
+        };
+        let worker = |cpu| {
+            compute_in_batches();
+            pinned(cpu)
+        };
         std::thread::scope(|scope| {
-            let reader = scope.spawn(|| pinned(core).then(|| self.read()));
-            let own = scope.spawn(|| pinned(core).then(|| self.compute()));
-            let send = || pinned(other).then(|| (0..rounds).map(|_| self.send()).collect());
+            let reader = scope.spawn(read);
+            let own = scope.spawn(|| worker(core).then(|| self.compute()));
+            let send = || worker(other).then(|| (0..rounds).map_while(|_| self.send()).collect());
             let theirs = scope.spawn(send).join().ok().flatten();
             self.over.store(true, Relaxed);
             // So that the reader sees it.
@@ -127,17 +208,21 @@ impl Bench {
         while !self.over.load(Relaxed) {
             self.inbox.take(&mut taken, Duration::from_millis(100));
             for message in taken.drain(..) {
-                if let Report::Lost { worker } = message {
-                    self.read_at[worker].store(self.now(), Relaxed);
-                    self.wait(WORK);
-                    self.done_at[worker].store(self.now(), Relaxed);
-                }
+                let Report::Parcel { worker, parcel, .. } = message else { continue };
+                self.begun.fetch_add(1, Relaxed);
+                let times = &self.times[worker];
+                times.read.store(self.now(), Relaxed);
+                self.compute_for(self.work);
+                times.done.store(self.now(), Relaxed);
+                self.desks[worker].lay(Some(parcel), None);
+                times.answered.store(self.now(), Relaxed);
+                self.ended.fetch_add(1, Relaxed);
             }
         }
     }
 
     /// Computes and sends, until it is over.
-    fn compute(&self) -> Vec<f64> {
+    fn compute(&self) -> Vec<Trip> {
         let mut own = vec![];
         let mut last = self.now();
         let mut next = last;
@@ -146,38 +231,61 @@ impl Bench {
             self.gap.fetch_max(now - last, Relaxed);
             last = now;
             if now > next {
-                let sent = self.post(OWN);
-                while self.done_at[OWN].load(Relaxed) == 0 && self.now() < sent + LONGEST {}
+                let Some(trip) = self.trip(OWN) else { break };
+                own.push(trip);
                 last = self.now();
-                own.push((last - sent) as f64 * 1e-9);
                 next = last + BETWEEN.as_nanos() as u64;
             }
         }
         own
     }
 
-    fn send(&self) -> [f64; 3] {
-        self.wait(BETWEEN);
+    fn send(&self) -> Option<Trip> {
+        self.compute_for(BETWEEN);
         self.gap.store(0, Relaxed);
-        let sent = self.post(THEIRS);
-        let posted = self.now();
-        while self.done_at[THEIRS].load(Relaxed) == 0 && self.now() < sent + LONGEST {}
-        let read = self.read_at[THEIRS].load(Relaxed).max(posted);
+        let trip = self.trip(THEIRS)?;
         // Until who was interrupted computes again.
-        self.wait(BETWEEN / 4);
-        [posted - sent, read - posted, self.gap.load(Relaxed)].map(|nanos| nanos as f64 * 1e-9)
+        self.compute_for(BETWEEN / 4);
+        Some(Trip { gap: self.gap.load(Relaxed) as f64 * 1e-9, ..trip })
     }
 
-    /// Returns when it began.
-    fn post(&self, sender: usize) -> u64 {
-        self.read_at[sender].store(0, Relaxed);
-        self.done_at[sender].store(0, Relaxed);
+    /// Sends a message. `None` if it is over.
+    fn trip(&self, sender: usize) -> Option<Trip> {
+        let times = &self.times[sender];
+        for time in [&times.read, &times.done, &times.answered] {
+            time.store(0, Relaxed);
+        }
+        let (begun, ended) = (self.begun.load(Relaxed), self.ended.load(Relaxed));
+        let parcel = Box::default();
         let sent = self.now();
-        self.inbox.post(Report::Lost { worker: sender });
-        sent
+        self.inbox.post(Report::Parcel { worker: sender, parcel, sent: self.origin });
+        let posted = self.now();
+        while !self.waits && times.answered.load(Relaxed) == 0 {
+            if self.over.load(Relaxed) {
+                return None;
+            }
+        }
+        self.desks[sender].parcel().0?;
+        let back = self.now();
+        // The reader's own clock may be a moment behind on the other core; on the same one it waits for this to end.
+        while sender == THEIRS && times.answered.load(Relaxed) == 0 && !self.over.load(Relaxed) {}
+        let [read, done, answered] =
+            [&times.read, &times.done, &times.answered].map(|time| time.load(Relaxed).max(posted));
+        let seconds = |from: u64, to: u64| (to as f64 - from as f64) * 1e-9;
+        Some(Trip {
+            send: seconds(sent, posted),
+            latency: seconds(posted, read),
+            work: seconds(read, done),
+            reply: seconds(done, answered),
+            back: seconds(answered, back),
+            wait: seconds(sent, back),
+            gap: 0.0,
+            asleep: begun == ended,
+            alone: self.begun.load(Relaxed) == begun + 1,
+        })
     }
 
-    fn wait(&self, time: Duration) {
+    fn compute_for(&self, time: Duration) {
         let end = self.now() + time.as_nanos() as u64;
         while self.now() < end {}
     }
@@ -192,13 +300,30 @@ mod tests {
         let cpus: Vec<usize> =
             core_affinity::get_core_ids().unwrap_or_default().iter().map(|core| core.id).collect();
         let [core, other, ..] = cpus[..] else { return };
-        let SharedCore { send, latency, interrupt, switch, late, delay } =
-            shared_core_seconds(5, core, other).unwrap();
-        // On a busy machine it may be that nobody computes while a message is read, so nobody is interrupted.
-        assert!(
-            send > 0.0 && [latency, interrupt, switch].iter().all(|seconds| (0.0..1.0).contains(seconds))
-        );
+        let shared = shared_core_seconds(50, core, other, 1e-5).unwrap();
+        let SharedCore { send, latency, interrupt, switch, reply, back, wait, late, delay } = shared;
+        // On a busy machine it may be that no message is alone.
+        for seconds in [send, latency, interrupt, switch, reply, back, wait] {
+            assert!((0.0..1.0).contains(&seconds), "{shared:?}");
+        }
+        assert!(wait == 0.0 || wait > 1e-5, "{shared:?}");
         assert!((0.0..=1.0).contains(&late) && if late > 0.0 { delay > LATE } else { delay == 0.0 });
-        assert_eq!(shared_core_seconds(1, usize::MAX, other), None, "no such CPU");
+        assert_eq!(shared_core_seconds(1, usize::MAX, other, 0.0), None, "no such CPU");
+    }
+
+    #[test]
+    fn on_a_slower_core_everything_takes_longer_but_a_time_slice() {
+        let all = |k: f64| SharedCore {
+            send: k,
+            latency: 2.0 * k,
+            interrupt: 3.0 * k,
+            switch: 4.0 * k,
+            reply: 5.0 * k,
+            back: 6.0 * k,
+            wait: 7.0 * k,
+            late: 0.5,
+            delay: 3.0,
+        };
+        assert_eq!(all(1.0).slower(2.0), all(2.0));
     }
 }

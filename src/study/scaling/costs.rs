@@ -9,21 +9,24 @@ use crate::error::Result;
 use crate::film::Film;
 use crate::schedule::{
     Control, FilmMode, FrameStats, Machine, Placement, Schedule, SharedCore, Strategy, TileTask,
-    shared_core_seconds, steal_seconds, wake_seconds, with_workers,
+    pin_current_thread, shared_core_seconds, steal_seconds, with_workers,
 };
 use crate::tile::{Order, Tile, tiles};
+use std::sync::mpsc;
 use std::time::Instant;
 
 /// Frames per measurement.
 const FRAMES: usize = 21;
 /// Messages of either kind between threads that share a core: enough to see how often one is late.
-const MESSAGES: usize = 3000;
+const MESSAGES: usize = 1000;
 /// Tiles in a side of an image of empty tiles, where the time per tile matters ...
 const SIDE: u32 = 128;
 /// ... the same of strategies that answer every tile: a message takes as long as hundreds of tiles do.
 const ANSWERED_SIDE: u32 = 32;
 /// ... and where the time per frame matters.
 const SMALL_SIDE: u32 = 16;
+/// Of a tile of 64x64 pixels.
+const TILE_BYTES: f64 = 64.0 * 64.0 * 12.0;
 /// A stream with fewer messages than one for so many tiles tells little of what they cost.
 const TILES_PER_MESSAGE: f64 = 4.0;
 
@@ -50,6 +53,8 @@ pub struct Costs {
     pub steal: f64,
     /// The same two where the master shares a core with a worker that computes.
     pub shared: SharedCore,
+    /// The same for a master who copies a tile for each report. The simulator is told of it as [`Costs::shared`].
+    pub copying: SharedCore,
     /// The master, for each byte of pixels that it gets as a message.
     pub per_byte: f64,
     /// With at least this many workers the master has no core of its own.
@@ -70,7 +75,6 @@ impl Costs {
 
     /// The same where everything takes `factor` times as long. A time slice is still a time slice.
     pub(super) fn slower(self, factor: f64) -> Costs {
-        let SharedCore { send, latency, interrupt, switch, late, delay } = self.shared;
         Costs {
             prepare: self.prepare * factor,
             send: self.send * factor,
@@ -81,26 +85,23 @@ impl Costs {
             collect_tile: self.collect_tile * factor,
             tile: self.tile * factor,
             steal: self.steal * factor,
-            shared: SharedCore {
-                send: send * factor,
-                latency: latency * factor,
-                interrupt: interrupt * factor,
-                switch: switch * factor,
-                late,
-                delay,
-            },
+            shared: self.shared.slower(factor),
+            copying: self.copying.slower(factor),
             per_byte: self.per_byte * factor,
             cores: self.cores,
         }
     }
 
-    /// What streams of one worker show of them, if there were a message every few tiles.
-    pub(super) fn seen_in(self, streams: &[FrameStats], schedule: Schedule) -> Costs {
+    /// What streams of one worker show of them, if there were a message every few tiles. If tiles took `slowness` times as
+    /// long in them as they are taken to cost, so did messages.
+    pub(super) fn seen_in(self, streams: &[FrameStats], schedule: Schedule, slowness: f64) -> Costs {
+        let shared = if schedule.film == FilmMode::Messages { self.copying } else { self.shared };
+        let known = Costs { shared, ..self };
         let sum = |of: fn(&FrameStats) -> f64| streams.iter().map(of).sum::<f64>();
         let tiles = sum(|s| s.spans.len() as f64);
         let (reports, awaited) = (sum(|s| s.reports.count as f64), sum(|s| s.reports.awaited as f64));
         if awaited * TILES_PER_MESSAGE < tiles || awaited == 0.0 {
-            return self;
+            return known;
         }
         let waits = sum(|s| s.workers.iter().map(|worker| worker.idle.work + worker.idle.deliver).sum());
         let others = sum(|s| s.workers.iter().map(|w| w.busy_seconds + w.idle.start + w.idle.tail).sum());
@@ -110,60 +111,76 @@ impl Costs {
         let work = sum(|s| s.master.reports);
         let bytes = 12.0 * sum(|s| s.spans.iter().map(|span| span.tile.len() as f64).sum());
         // Who has one parcel waits for every answer, and is woken by it: as dear as waking the master.
-        let (answered, reply) = match schedule.strategy.parcels() {
-            1 => (true, send),
-            _ => (false, self.reply),
+        let answered = schedule.strategy.parcels() == 1;
+        let rest = work - tiles * self.collect_tile - if answered { reports * send } else { 0.0 };
+        let usual = |seconds: f64| seconds.max(0.0) / slowness;
+        let mut seen = Costs { send: usual(send), to_master: usual(to_master), ..known };
+        (seen.reply, seen.to_worker) = match answered {
+            true => (usual(send), usual(waits / reports - to_master - work / reports)),
+            false => (self.reply, usual(to_master)),
         };
-        let rest = work - tiles * self.collect_tile - if answered { reports * reply } else { 0.0 };
-        let (collect, per_byte) = match schedule.film {
-            FilmMode::Shared => ((rest / reports).max(0.0), self.per_byte),
-            FilmMode::Messages => (self.collect, ((rest - reports * self.collect) / bytes).max(0.0)),
-        };
-        let to_worker =
-            if answered { (waits / reports - to_master - work / reports).max(0.0) } else { to_master };
-        Costs { send, reply, to_master, to_worker, collect, per_byte, ..self }
+        match schedule.film {
+            FilmMode::Shared => seen.collect = usual(rest / reports),
+            FilmMode::Messages => seen.per_byte = usual((rest - reports * self.collect) / bytes),
+        }
+        seen
     }
 
-    /// Measures them, in two or three seconds.
+    /// Measures them, in about four seconds.
     ///
     /// # Errors
     /// [`crate::error::Error::Flag`] if a thread cannot be started.
     pub fn measure(pin: bool) -> Result<Costs> {
         let frames =
             |strategy, side| empty_frames(Schedule { strategy, film: FilmMode::Shared }, 1, pin, side);
-        let (stealing, dynamic) =
+        let (stealing, mut dynamic) =
             (frames(Strategy::Stealing, SIDE)?, frames(Strategy::Dynamic, ANSWERED_SIDE)?);
         let small = frames(Strategy::Dynamic, SMALL_SIDE)?;
         let count = f64::from(SIDE * SIDE);
         let last = |stats: &FrameStats| stats.spans.iter().fold(0.0, |end: f64, span| end.max(span.end));
-        let send = wake_seconds(FRAMES);
         // Of stealing all tiles are in one report.
         let collect_tile = quiet(&stealing, |stats| stats.master.reports / count);
+        let tile = quiet(&stealing, |stats| {
+            (last(stats) - stats.workers[0].idle.start - stats.workers[0].busy_seconds).max(0.0) / count
+        });
         // Of dynamic every report has one tile, and its answer wakes the worker.
-        let report = quiet(&dynamic, |stats| stats.master.reports / stats.reports.count as f64);
-        let to_master = quiet(&dynamic, |stats| stats.reports.latency());
+        let nothing = Costs { collect_tile, tile, ..NOTHING };
+        let answered = Schedule { strategy: Strategy::Dynamic, film: FilmMode::Shared };
+        let seen = nothing.seen_in(quieter_half(&mut dynamic), answered, 1.0);
+        let Costs { send, reply, to_master, collect, .. } = seen;
+        let per_byte = copy_seconds_per_byte(pin);
+        // To the master and back, each about what waking somebody costs.
+        let guess = SharedCore::punctual(send, to_master, 3.0 * send, 2.0 * send);
+        let sharing = |work| shared_core(pin, work).unwrap_or(guess);
         Ok(Costs {
             // The first task wakes the worker.
-            prepare: quiet(&small, |stats| (stats.master.frames - send).max(0.0)),
-            send,
-            reply: send,
-            to_master,
-            to_worker: quiet(&dynamic, |stats| stats.tasks.latency()),
-            collect: (report - send - collect_tile).max(0.0),
-            collect_tile,
-            tile: quiet(&stealing, |stats| {
-                (last(stats) - stats.workers[0].idle.start - stats.workers[0].busy_seconds).max(0.0) / count
-            }),
+            prepare: quiet(&small, |stats| (stats.master.frames - reply).max(0.0)),
             steal: steal_seconds(FRAMES),
-            shared: shared_core(pin).unwrap_or_else(|| {
-                // To the master and back, each about what waking somebody costs.
-                SharedCore::punctual(send, to_master, 3.0 * send, 2.0 * send)
-            }),
-            per_byte: copy_seconds_per_byte(),
+            shared: sharing(collect),
+            copying: sharing(collect + per_byte * TILE_BYTES),
+            per_byte,
             cores: Machine::get().default_workers(),
+            ..seen
         })
     }
 }
+
+/// Where nothing takes any time.
+const NOTHING: Costs = Costs {
+    prepare: 0.0,
+    send: 0.0,
+    reply: 0.0,
+    to_master: 0.0,
+    to_worker: 0.0,
+    collect: 0.0,
+    collect_tile: 0.0,
+    tile: 0.0,
+    steal: 0.0,
+    shared: SharedCore::punctual(0.0, 0.0, 0.0, 0.0),
+    copying: SharedCore::punctual(0.0, 0.0, 0.0, 0.0),
+    per_byte: 0.0,
+    cores: usize::MAX,
+};
 
 /// Seconds per tile of a frame of tiles that do nothing: the scheduler's own, in a quiet moment.
 ///
@@ -179,16 +196,26 @@ pub fn overhead_per_tile(schedule: Schedule, workers: usize, pin: bool) -> Resul
 }
 
 fn empty_frames(schedule: Schedule, workers: usize, pin: bool, side: u32) -> Result<Vec<FrameStats>> {
-    let placement = Placement::new(Machine::get(), Some(workers), pin);
+    let most = workers.max(Machine::get().default_workers());
+    let placement = Placement::new(Machine::get(), Some(most), pin);
     let tiles = tiles(side, side, 1, Order::Hilbert);
-    with_workers(&Empty, &placement, |master| {
-        let mut frame = || {
-            let (_, stats) =
-                master.run_frame(schedule, (), &tiles, &Control::unattended(), |(), _, ()| {})?;
-            Ok(stats)
-        };
-        frame()?;
-        (0..FRAMES).map(|_| frame()).collect()
+    let measure = || {
+        // As in the streams that are measured.
+        pin_current_thread(placement.beside(0..workers));
+        with_workers(&Empty, &placement, |master| {
+            master.employ(0..workers);
+            let mut frame = || {
+                let (_, stats) =
+                    master.run_frame(schedule, (), &tiles, &Control::unattended(), |(), _, ()| {})?;
+                Ok(stats)
+            };
+            frame()?;
+            (0..FRAMES).map(|_| frame()).collect()
+        })
+    };
+    std::thread::scope(|scope| match scope.spawn(measure).join() {
+        Ok(frames) => frames,
+        Err(panic) => std::panic::resume_unwind(panic),
     })
 }
 
@@ -205,25 +232,60 @@ impl TileTask for Empty {
     fn run(&self, (): &(), _tile: Tile, (): &mut (), (): &mut ()) {}
 }
 
-/// Of the first two cores, if there are two.
-fn shared_core(pin: bool) -> Option<SharedCore> {
+/// Of the first two cores, if there are two, with so much to do for a report.
+fn shared_core(pin: bool, work: f64) -> Option<SharedCore> {
     let placement = Placement::new(Machine::get(), Some(2), pin);
     match placement.slots() {
-        &[Some(other), Some(core)] => shared_core_seconds(MESSAGES, core, other),
+        &[Some(other), Some(core)] => shared_core_seconds(MESSAGES, core, other, work),
         _ => None,
     }
 }
 
-fn copy_seconds_per_byte() -> f64 {
-    let (film, side) = (Film::new(1024, 1024), 64);
-    let plane = vec![0.5; (side * side) as usize];
-    let all = tiles(1024, 1024, side, Order::Hilbert);
-    let copy = || all.iter().for_each(|&tile| film.write_tile(tile, &plane, &plane, &plane));
-    // The first time touches the memory; a later frame finds it there.
-    copy();
-    let start = Instant::now();
-    copy();
-    start.elapsed().as_secs_f64() / (1024.0 * 1024.0 * 12.0)
+/// Of tiles that another core has just written, as a worker does.
+fn copy_seconds_per_byte(pin: bool) -> f64 {
+    let film = Film::new(1024, 1024);
+    let (side, tiles) = (64, tiles(1024, 1024, 64, Order::Hilbert));
+    let placement = Placement::new(Machine::get(), Some(2), pin);
+    let pin = |slot: usize| pin_current_thread(placement.slots()[slot]);
+    let (fill, filled) = mpsc::channel();
+    let (empty, emptied) = mpsc::channel();
+    let worker = move || {
+        pin(0);
+        let mut planes = vec![0.0f32; 3 * side * side];
+        loop {
+            planes.fill(0.5);
+            if fill.send(planes).is_err() {
+                return;
+            }
+            let Ok(back) = emptied.recv() else { return };
+            planes = back;
+        }
+    };
+    let master = move || {
+        pin(1);
+        let mut copy = |&tile: &Tile| {
+            let Ok(planes) = filled.recv() else { return 0.0 };
+            let [r, g, b] = [0, 1, 2].map(|plane| &planes[plane * side * side..][..side * side]);
+            let start = Instant::now();
+            film.write_tile(tile, r, g, b);
+            let seconds = start.elapsed().as_secs_f64();
+            let _ = empty.send(planes);
+            seconds
+        };
+        // The first time touches the memory; a later frame finds it there.
+        let _ = tiles.iter().map(&mut copy).sum::<f64>();
+        tiles.iter().map(copy).sum::<f64>() / (1024.0 * 1024.0 * 12.0)
+    };
+    std::thread::scope(|scope| {
+        scope.spawn(worker);
+        scope.spawn(master).join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    })
+}
+
+/// Those that took least: other processes can only make frames longer.
+fn quieter_half(frames: &mut [FrameStats]) -> &[FrameStats] {
+    frames.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    &frames[..frames.len().div_ceil(2)]
 }
 
 /// The value that a quarter of the frames stay below: other processes can only make steps longer.
@@ -252,6 +314,7 @@ mod tests {
             tile: 0.25,
             steal: 0.0,
             shared: SharedCore::punctual(0.0, 0.0, 0.0, 0.0),
+            copying: SharedCore::punctual(1.0, 0.0, 0.0, 0.0),
             per_byte: 0.0,
             cores: 2,
         };
@@ -287,27 +350,33 @@ mod tests {
         stats.master.reports = 10.0 * 7.5;
         let blind = Costs { send: 0.1, to_master: 0.1, to_worker: 0.1, collect: 0.1, ..costs };
         let dynamic = Schedule { strategy: Strategy::Dynamic, film: FilmMode::Shared };
-        let seen = blind.seen_in(std::slice::from_ref(&stats), dynamic);
+        let seen = blind.seen_in(std::slice::from_ref(&stats), dynamic, 1.0);
         let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
         assert!(near(seen.send, 2.0) && near(seen.to_master, 3.0), "{seen:?}");
         // Waking the worker is as dear as waking the master, and part of the master's 7.5.
         assert!(near(seen.reply, 2.0) && near(seen.collect, 5.0), "{seen:?}");
         // Nine waits for ten reports: the last one's answer never comes.
         assert!(near(seen.to_worker, work / 10.0 - 3.0 - 7.5), "{seen:?}");
+        // Where tiles took four times as long as they cost, messages cost a quarter of what is seen.
+        let usual = blind.seen_in(std::slice::from_ref(&stats), dynamic, 4.0);
+        assert!(near(usual.send, 0.5) && near(usual.to_master, 0.75) && near(usual.reply, 0.5), "{usual:?}");
+        assert!(near(usual.collect, 1.25) && near(usual.to_worker, seen.to_worker / 4.0), "{usual:?}");
         // As messages, the master's time is that of copying.
-        let messages = blind.seen_in(&[stats.clone()], Schedule { film: FilmMode::Messages, ..dynamic });
+        let messages = blind.seen_in(&[stats.clone()], Schedule { film: FilmMode::Messages, ..dynamic }, 1.0);
         assert!(near(messages.per_byte, (75.0 - 10.0 * (2.0 + 0.1 + 0.5)) / (12.0 * 10.0)), "{messages:?}");
+        assert_eq!(messages.collect, 0.1, "measured elsewhere");
+        assert_eq!((seen.shared, messages.shared), (blind.shared, blind.copying));
         // Whoever has other parcels does not wait for answers: they take as long as reports.
         let non_blocking = Schedule { strategy: Strategy::NonBlocking, film: FilmMode::Shared };
-        let seen = blind.seen_in(std::slice::from_ref(&stats), non_blocking);
+        let seen = blind.seen_in(std::slice::from_ref(&stats), non_blocking, 1.0);
         assert!(near(seen.to_worker, 3.0), "{seen:?}");
         // Two reports of ten tiles tell nothing.
         stats.reports.awaited = 2;
-        assert_eq!(blind.seen_in(&[stats], dynamic), blind);
+        assert_eq!(blind.seen_in(&[stats], dynamic, 1.0), blind);
     }
 
     #[test]
-    fn on_a_slower_core_everything_takes_longer_but_a_time_slice() {
+    fn on_a_slower_core_everything_takes_longer() {
         let costs = Costs {
             prepare: 1.0,
             send: 2.0,
@@ -318,7 +387,8 @@ mod tests {
             collect_tile: 7.0,
             tile: 8.0,
             steal: 9.0,
-            shared: SharedCore { late: 0.5, delay: 3.0, ..SharedCore::punctual(10.0, 11.0, 12.0, 13.0) },
+            shared: SharedCore::punctual(10.0, 11.0, 12.0, 13.0),
+            copying: SharedCore::punctual(15.0, 16.0, 17.0, 18.0),
             per_byte: 14.0,
             cores: 2,
         };
@@ -332,7 +402,8 @@ mod tests {
             collect_tile: 14.0,
             tile: 16.0,
             steal: 18.0,
-            shared: SharedCore { late: 0.5, delay: 3.0, ..SharedCore::punctual(20.0, 22.0, 24.0, 26.0) },
+            shared: SharedCore::punctual(20.0, 22.0, 24.0, 26.0),
+            copying: SharedCore::punctual(30.0, 32.0, 34.0, 36.0),
             per_byte: 28.0,
             cores: 2,
         };

@@ -29,7 +29,8 @@ pub(super) struct Measured {
 }
 
 impl Measured {
-    fn rounds(&self) -> std::slice::Chunks<'_, FrameStats> {
+    /// The streams of each round.
+    pub(super) fn rounds(&self) -> std::slice::Chunks<'_, FrameStats> {
         self.streams.chunks(if self.workers == 1 { 2 } else { 1 })
     }
 
@@ -256,6 +257,11 @@ impl TileCosts {
         let streams = std::slice::from_ref(stream);
         let of = |worker| ratio(streams, &self.seconds, |span| span.worker == worker);
         (0..stream.workers.len()).map(of).collect()
+    }
+
+    /// By which factor the tiles of these streams took longer than these.
+    pub(super) fn slowness_of_all(&self, streams: &[FrameStats]) -> f64 {
+        ratio(streams, &self.seconds, |_| true)
     }
 
     /// What frames of `tiles` would take workers of such slowness.

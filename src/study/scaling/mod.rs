@@ -169,7 +169,7 @@ impl Study<'_> {
         let Some(one) = of(1) else { return vec![] };
         let row = |&workers: &usize| match of(workers) {
             Some(measured) => self.measured(measured, one, tiles),
-            None => self.simulated(one, workers, tiles),
+            None => self.simulated(schedule, &one.streams, workers, tiles),
         };
         self.options.workers.iter().map(row).collect()
     }
@@ -178,11 +178,12 @@ impl Study<'_> {
         let (workers, seconds, alone) = (measured.workers, measured.seconds(), one.seconds());
         let against = |one: f64, many: f64| one / (workers as f64 * many);
         let ratios: Vec<f64> = alone.iter().zip(&seconds).map(|(&one, &many)| against(one, many)).collect();
-        let predictions: Vec<f64> = measured
-            .slowness(one)
-            .iter()
-            .map(|seen| self.predict(one, &self.apart_from_master(one, seen, tiles), tiles).0)
-            .collect();
+        let predict = |(seen, one): (&Vec<f64>, &[FrameStats])| {
+            let slowness = self.apart_from_master(measured.schedule, one, seen, tiles);
+            self.predict(measured.schedule, one, &slowness, tiles)
+        };
+        let predictions: Vec<f64> =
+            measured.slowness(one).iter().zip(one.rounds()).map(|round| predict(round).0).collect();
         // One worker against itself, which no rounding should tell from 1.
         let itself = |value: f64| if workers == 1 { 1.0 } else { value };
         ScalingRow {
@@ -199,10 +200,16 @@ impl Study<'_> {
 
     /// How slow each worker is if its tiles took `seen` times as long: without what the master takes from them, which is not
     /// the machine's, but the simulator's to find. Solved for by trial, since the slower everything is, the more that is.
-    fn apart_from_master(&self, one: &Measured, seen: &[f64], tiles: &TileCosts) -> Vec<f64> {
+    fn apart_from_master(
+        &self,
+        schedule: Schedule,
+        one: &[FrameStats],
+        seen: &[f64],
+        tiles: &TileCosts,
+    ) -> Vec<f64> {
         let mut slowness = vec![1.0; seen.len()];
         for _ in 0..TRIALS {
-            let (_, stream) = self.predict(one, &slowness, tiles);
+            let (_, stream) = self.predict(schedule, one, &slowness, tiles);
             for ((own, seen), simulated) in slowness.iter_mut().zip(seen).zip(tiles.slowness(&stream)) {
                 *own = (*own * seen / simulated).max(LEAST_INFLATION);
             }
@@ -210,9 +217,15 @@ impl Study<'_> {
         slowness
     }
 
-    fn simulated(&self, one: &Measured, workers: usize, tiles: &TileCosts) -> ScalingRow {
+    fn simulated(
+        &self,
+        schedule: Schedule,
+        one: &[FrameStats],
+        workers: usize,
+        tiles: &TileCosts,
+    ) -> ScalingRow {
         let inflation = self.options.inflation;
-        let (efficiency, frame) = self.predict(one, &vec![inflation; workers], tiles);
+        let (efficiency, frame) = self.predict(schedule, one, &vec![inflation; workers], tiles);
         ScalingRow {
             simulated: true,
             seconds: vec![frame.per_frame()],
@@ -220,14 +233,21 @@ impl Study<'_> {
             fastest: efficiency,
             inflation,
             frame,
-            ..self.row(one.schedule, workers)
+            ..self.row(schedule, workers)
         }
     }
 
-    /// Efficiency and stream as the simulator has them, of workers of such slowness.
-    fn predict(&self, one: &Measured, slowness: &[f64], tiles: &TileCosts) -> (f64, FrameStats) {
-        let (schedule, workers) = (one.schedule, slowness.len());
-        let seen = self.costs.seen_in(&one.streams, schedule);
+    /// Efficiency and stream as the simulator has them, of workers of such slowness; messages cost what streams of `one`
+    /// worker show.
+    fn predict(
+        &self,
+        schedule: Schedule,
+        one: &[FrameStats],
+        slowness: &[f64],
+        tiles: &TileCosts,
+    ) -> (f64, FrameStats) {
+        let workers = slowness.len();
+        let seen = self.costs.seen_in(one, schedule, tiles.slowness_of_all(one));
         let (alone, costs) = match self.options.network {
             // What slows tiles down slows down everything else on the same cores.
             _ if workers <= self.cores => (seen, seen.slower(slowness.iter().sum::<f64>() / workers as f64)),
@@ -309,6 +329,18 @@ mod tests {
         assert!(limits.is_sorted_by(|a, b| a.1 >= b.1));
     }
 
+    const SHARED: SharedCore = SharedCore {
+        send: 0.012,
+        latency: 0.009,
+        interrupt: 0.015,
+        switch: 0.008,
+        reply: 0.01,
+        back: 0.02,
+        wait: 0.07,
+        late: 0.0,
+        delay: 0.0,
+    };
+
     /// Costs of about the size of real ones, in milliseconds.
     const COSTS: Costs = Costs {
         prepare: 0.02,
@@ -321,14 +353,8 @@ mod tests {
         tile: 0.0,
         steal: 0.0,
         // Nothing is late: when that falls is a matter of chance.
-        shared: SharedCore {
-            send: 0.012,
-            latency: 0.009,
-            interrupt: 0.015,
-            switch: 0.008,
-            late: 0.0,
-            delay: 0.0,
-        },
+        shared: SHARED,
+        copying: SHARED,
         per_byte: 4e-7,
         cores: 2,
     };
@@ -351,14 +377,18 @@ mod tests {
             ..FrameStats::default()
         };
         let tiles = TileCosts::new(&base, [&seen]);
-        let one = tiles.simulate(schedule, &[1.0], flow, &base, &COSTS);
-        let slower = COSTS.slower((slowness[0] + slowness[1]) / 2.0);
-        let two = tiles.simulate(schedule, &slowness, flow.of(2, LONGEST_MEASURED), &base, &slower);
-        let measured = |workers, streams| Measured { schedule, workers, streams };
-        let rounds = Rounds {
-            all: vec![measured(1, vec![one.clone(), one]), measured(2, vec![two])],
-            ..Rounds::default()
-        };
+        let measured = |workers| Measured { schedule, workers, streams: vec![] };
+        let mut all = vec![measured(1), measured(2)];
+        // In the second round everything takes longer, and more so in the third one.
+        for pace in [1.0, 1.3, 1.7] {
+            let one = tiles.simulate(schedule, &[pace], flow, &base, &COSTS.slower(pace));
+            all[0].streams.extend([one.clone(), one]);
+            let paces = slowness.map(|slowness| slowness * pace);
+            let slower = COSTS.slower((paces[0] + paces[1]) / 2.0);
+            let two = tiles.simulate(schedule, &paces, flow.of(2, LONGEST_MEASURED), &base, &slower);
+            all[1].streams.push(two);
+        }
+        let rounds = Rounds { all, ..Rounds::default() };
         let options = ScalingOptions {
             render: crate::study::accuracy::options(),
             schedules: vec![schedule],

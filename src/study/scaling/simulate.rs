@@ -220,13 +220,14 @@ impl<'a> Simulation<'a> {
         self.host().filter(|&host| self.workers[host].waits.is_none() && self.workers[host].wakes <= now)
     }
 
+    /// The host, if it could go on but for the master, who does not lie down before `now`.
+    fn waking_host(&self, now: f64) -> Option<usize> {
+        self.host().filter(|&host| self.workers[host].waits.is_none() && self.workers[host].wakes > now)
+    }
+
     /// The master lays something on a worker's desk, and wakes it if it waits.
     fn lay(&mut self, worker: usize, parcel: bool, task: Option<Task>) {
-        let (reply, latency) = match self.host() == Some(worker) {
-            // It goes on when the master lies down.
-            true => (0.0, self.costs.shared.switch / 2.0),
-            false => (self.costs.reply, self.costs.to_worker),
-        };
+        let (reply, latency) = self.answer(worker);
         if let Some(Task { frame, .. }) = task
             && let Some(flight) = self.flight(frame)
         {
@@ -247,6 +248,19 @@ impl<'a> Simulation<'a> {
             desk.wakes = end;
             self.pauses.push(Pause { worker, start, end, deliver });
             self.at(end, What::Look(worker));
+        }
+    }
+
+    /// What it costs the master to wake the worker, and from then on until the worker goes on.
+    fn answer(&self, worker: usize) -> (f64, f64) {
+        let SharedCore { switch, reply, back, wait, .. } = self.costs.shared;
+        let waits = |(start, _)| self.master_free - start;
+        match self.host() {
+            // It goes on when the master lies down.
+            Some(host) if host == worker => (0.0, switch / 2.0),
+            // The sooner an answer comes, the less deep its core sleeps.
+            Some(_) if self.workers[worker].waits.map_or(0.0, waits) < wait => (reply, back),
+            _ => (self.costs.reply, self.costs.to_worker),
         }
     }
 
@@ -342,13 +356,14 @@ impl<'a> Simulation<'a> {
 
     /// The master begins with a report at `now`, or as soon as it is free. Whoever computes on its core stands still meanwhile.
     fn handle(&mut self, report: Report, now: f64, woken: bool) {
-        let host = self.busy_host(now.max(self.master_free));
+        let now = now.max(self.master_free);
+        let (host, waking) = (self.busy_host(now), self.waking_host(now));
         let late = if host.is_some() && woken { self.lateness() } else { 0.0 };
         let mut work = self.costs.collect + report.tiles as f64 * self.costs.collect_tile;
         if self.schedule.film == FilmMode::Messages {
             work += report.pixels as f64 * 12.0 * self.costs.per_byte;
         }
-        self.late_until = now.max(self.master_free) + late;
+        self.late_until = now + late;
         self.master_free = self.late_until + work;
         self.master.reports += work;
         self.at(self.master_free, What::Handled(self.handling));
@@ -359,7 +374,10 @@ impl<'a> Simulation<'a> {
         self.owed = if own { 0.0 } else { taken };
         // Who stands between two tiles must know before it goes on.
         if let Some(host) = host.filter(|_| own) {
-            self.workers[host].stood += taken;
+            self.workers[host].stand(now, taken);
+        }
+        if let Some(host) = waking {
+            self.workers[host].stand(now, work);
         }
     }
 
@@ -369,7 +387,7 @@ impl<'a> Simulation<'a> {
             return;
         }
         self.handling += 1;
-        let host = self.busy_host(now);
+        let (host, waking) = (self.busy_host(now), self.waking_host(now));
         let Some(report) = self.inbox.pop_front() else { return };
         if let Some(flight) = self.flight(report.frame) {
             flight.done += report.tiles;
@@ -379,6 +397,9 @@ impl<'a> Simulation<'a> {
         let next = if report.finished { self.next_task() } else { None };
         self.lay(report.worker, true, next);
         self.begin_frames(self.master_free);
+        if let Some(host) = waking {
+            self.workers[host].stand(now, self.master_free - now);
+        }
         // If it waits meanwhile, nothing was taken from it.
         if let Some(host) = host {
             self.workers[host].debt += self.owed + self.master_free - now;
@@ -399,13 +420,9 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// How much later than usual a master on the core of a busy worker wakes up. Workers that wait for every answer give it
-    /// their core in time.
+    /// How much later than usual a master on the core of a busy worker wakes up, unless that worker waits before.
     fn lateness(&mut self) -> f64 {
         let SharedCore { late, delay, .. } = self.costs.shared;
-        if self.schedule.strategy.parcels() == 1 {
-            return 0.0;
-        }
         self.lateness += late;
         let is_late = self.lateness >= 1.0;
         self.lateness -= f64::from(is_late);

@@ -69,6 +69,14 @@ pub(super) struct Worker {
     pub(super) steals: usize,
 }
 
+impl Worker {
+    /// It has something to do and an event, but goes on only after so many more seconds.
+    pub(super) fn stand(&mut self, now: f64, seconds: f64) {
+        self.wakes = self.wakes.max(now) + seconds;
+        self.stood += seconds;
+    }
+}
+
 /// A frame in flight.
 pub(super) struct Flight {
     pub(super) number: usize,

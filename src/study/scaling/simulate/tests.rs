@@ -15,12 +15,22 @@ const FREE: Costs = Costs {
     tile: 0.0,
     steal: 0.0,
     shared: SHARED,
+    copying: SHARED,
     per_byte: 0.0,
     cores: usize::MAX,
 };
 
-const SHARED: SharedCore =
-    SharedCore { send: 0.0, latency: 0.0, interrupt: 0.0, switch: 0.0, late: 0.0, delay: 0.0 };
+const SHARED: SharedCore = SharedCore {
+    send: 0.0,
+    latency: 0.0,
+    interrupt: 0.0,
+    switch: 0.0,
+    reply: 0.0,
+    back: 0.0,
+    wait: 0.0,
+    late: 0.0,
+    delay: 0.0,
+};
 
 /// Every pixel costs one, in tiles of 4x4.
 fn frame(schedule: Schedule, workers: usize, side: u32, costs: &Costs) -> FrameStats {
@@ -324,17 +334,54 @@ fn a_late_master_has_its_turn_once_its_host_waits() {
 }
 
 #[test]
-fn a_host_that_waits_for_every_answer_keeps_nobody_waiting() {
-    let spans = |late, strategy| {
-        let costs = Costs { shared: SharedCore { late, delay: 9.0, ..SHARED }, cores: 2, ..FREE };
-        given(strategy, 2, Flow::ONE, &[2.0, 90.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0], &costs).spans
+fn a_host_that_waits_for_every_answer_gives_a_late_master_its_turn_after_its_tile() {
+    let late = SharedCore { late: 1.0, delay: 9.0, ..SHARED };
+    let starts = |strategy, seconds: &[f64]| {
+        let costs = Costs { shared: late, cores: 2, ..FREE };
+        let spans = given(strategy, 2, Flow::ONE, seconds, &costs).spans;
+        let mut starts: Vec<f64> = spans.iter().filter(|s| s.worker == 0).map(|s| s.start).collect();
+        starts.sort_by(f64::total_cmp);
+        starts
     };
-    for strategy in [Strategy::Static, Strategy::StaticCyclic, Strategy::Dynamic, Strategy::Overlap] {
-        assert_eq!(spans(0.0, strategy), spans(1.0, strategy), "{strategy}");
-    }
+    // The report at 2 is handled when the host's tile ends, or 9 later.
+    assert_eq!(starts(Strategy::Dynamic, &[2.0, 5.0, 2.0, 5.0]), [0.0, 5.0]);
+    assert_eq!(starts(Strategy::Dynamic, &[2.0, 50.0, 2.0, 5.0]), [0.0, 11.0, 22.0]);
     // Alone on the machine: the master has a core.
-    let costs = Costs { shared: SharedCore { late: 1.0, delay: 9.0, ..SHARED }, ..FREE };
+    let costs = Costs { shared: late, ..FREE };
     assert_eq!(given(Strategy::NonBlocking, 1, Flow::ONE, &[1.0; 4], &costs).seconds, 4.0);
+}
+
+#[test]
+fn by_hand_a_host_goes_on_when_the_master_has_nothing_left_to_do() {
+    let shared = SharedCore { switch: 0.5, ..SHARED };
+    let starts = |stats: &FrameStats, worker| -> Vec<f64> {
+        stats.spans.iter().filter(|span| span.worker == worker).map(|span| span.start).collect()
+    };
+    // The other one's report comes at 10.75, while the master is on the host's, from 10.25 on.
+    let costs = Costs { collect: 1.0, shared, cores: 2, ..FREE };
+    let stats = given(Strategy::Dynamic, 2, Flow::ONE, &[10.75, 10.0, 50.0, 50.0], &costs);
+    assert_eq!((&starts(&stats, 0)[..], &starts(&stats, 1)[..]), (&[0.0, 12.25][..], &[0.25, 12.75][..]));
+    // The host's comes at 13.25, while the master is on the first one's, and is answered at 18; the second one's came at 16,
+    // and takes it 3 more, and 1 for the answer.
+    let costs = Costs { collect: 3.0, reply: 1.0, shared, cores: 3, ..FREE };
+    let mut seconds = [50.0; 9];
+    seconds[..3].copy_from_slice(&[10.0, 14.0, 11.0]);
+    let stats = given(Strategy::Dynamic, 3, Flow::ONE, &seconds, &costs);
+    assert_eq!([0, 1, 2].map(|worker| starts(&stats, worker)[1]), [15.0, 22.0, 22.25]);
+}
+
+#[test]
+fn by_hand_who_waits_for_long_is_dear_to_wake() {
+    let shared = SharedCore { reply: 1.0, back: 2.0, wait: 5.0, ..SHARED };
+    let second = |collect, cores| {
+        let costs = Costs { collect, reply: 10.0, to_worker: 20.0, shared, cores, ..FREE };
+        let stats = given(Strategy::Dynamic, 2, Flow::ONE, &[2.0, 90.0, 2.0, 2.0], &costs);
+        stats.spans.iter().filter(|span| span.worker == 0).nth(1).unwrap().start
+    };
+    // The first tile ends at 3 + 2, or where the master has a core of its own at 30 + 2.
+    assert_eq!(second(4.0, 2), 5.0 + 4.0 + (1.0 + 2.0));
+    assert_eq!(second(6.0, 2), 5.0 + 6.0 + (10.0 + 20.0));
+    assert_eq!(second(4.0, usize::MAX), 32.0 + 4.0 + (10.0 + 20.0));
 }
 
 #[test]

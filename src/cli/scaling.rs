@@ -46,6 +46,7 @@ pub(super) fn run(args: &ScalingArgs, talk: Talk) -> Result<()> {
     let pin = args.pin.pin();
     Placement::new(Machine::get(), None, pin).notes().iter().for_each(|note| log::warn!("{note}"));
     let costs = Costs::measure(pin)?;
+    log::debug!("messages in seconds: {costs:?}");
     match schedule {
         Some(schedule) => sizes(args, schedule, talk, &costs, exports),
         None => strategies(args, talk, &costs, exports),

@@ -8,9 +8,11 @@
 //!                                 <---- interrupt + work -->
 //! ```
 //!
-//! Both cores send, as workers do. Now and then the system finds that the reader had enough for a while, the sooner the more it
+//! Both cores send, as workers do, and walk through memory, as tiles do: the system's own code and data for waking
+//! somebody are then not in the innermost caches, either. Now and then the system finds that the reader had enough for a while, the sooner the more it
 //! has to do for a message, and lets who computes go on to the end of a time slice. Then a message is late.
 
+use crate::math::median;
 use crate::schedule::mail::{Desk, Inbox};
 use crate::schedule::message::Report;
 use crate::schedule::pin::{Pinned, pin_current_thread};
@@ -25,8 +27,14 @@ const BETWEEN: Duration = Duration::from_micros(150);
 const LATE: f64 = 3e-4;
 /// Of who goes on after sending there are so many times as many messages: what is late is rare.
 const MORE: usize = 3;
+/// Messages that are taken together: several of them are late.
+const AT_A_TIME: usize = 250;
+/// Bytes that whoever computes walks through: about as many as a tile does, far more than the innermost cache.
+const MEMORY: usize = 2 << 20;
+/// Bytes between two looks at the clock, a microsecond or two.
+const STRIDE: usize = 8 << 10;
 
-/// As in the picture above, in seconds. Means of messages that were alone, and in time.
+/// As in the picture above, in seconds. Of messages that were alone, and in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SharedCore {
     /// Whoever wakes the reader from another core.
@@ -80,30 +88,37 @@ pub fn shared_core_seconds(rounds: usize, core: usize, other: usize, work: f64) 
     let work = Duration::from_secs_f64(work);
     let (theirs, own) = Bench::new(work, true).messages(rounds, core, other)?;
     let (unanswered, _) = Bench::new(work, false).messages(MORE * rounds, core, other)?;
-    let mean_of = |part: fn(&Trip) -> f64| mean(theirs.iter().filter(|trip| trip.is_usual()).map(part));
-    let own = own.iter().filter(|trip| trip.is_usual());
-    let late: Vec<f64> = unanswered
-        .iter()
-        .filter(|trip| trip.asleep && trip.latency > LATE)
-        .map(|trip| trip.latency)
-        .collect();
+    let usual = |part: fn(&Trip) -> f64| -> Vec<f64> {
+        theirs.iter().filter(|trip| trip.is_usual()).map(part).collect()
+    };
+    let waited: Vec<f64> = own.iter().filter(|trip| trip.is_usual()).map(|trip| trip.wait).collect();
+    let latencies: Vec<f64> = unanswered.iter().filter(|trip| trip.asleep).map(|trip| trip.latency).collect();
+    let late: Vec<f64> = latencies.iter().map(|&latency| f64::from(u8::from(latency > LATE))).collect();
+    let delays: Vec<f64> = latencies.into_iter().filter(|&latency| latency > LATE).collect();
+    let late = typical(&late);
     Some(SharedCore {
-        send: mean_of(|trip| trip.send),
-        latency: mean_of(|trip| trip.latency),
-        interrupt: mean_of(|trip| trip.gap - trip.work - trip.reply).max(0.0),
-        switch: mean(own.map(|trip| trip.wait - work.as_secs_f64())).max(0.0),
-        reply: mean_of(|trip| trip.reply),
-        back: mean_of(|trip| trip.back).max(0.0),
-        wait: mean_of(|trip| trip.wait),
-        late: late.len() as f64 / unanswered.iter().filter(|trip| trip.asleep).count().max(1) as f64,
-        delay: mean(late.into_iter()),
+        send: typical(&usual(|trip| trip.send)),
+        latency: typical(&usual(|trip| trip.latency)),
+        interrupt: typical(&usual(|trip| trip.gap - trip.work - trip.reply)).max(0.0),
+        switch: (typical(&waited) - work.as_secs_f64()).max(0.0),
+        reply: typical(&usual(|trip| trip.reply)),
+        back: typical(&usual(|trip| trip.back)).max(0.0),
+        wait: typical(&usual(|trip| trip.wait)),
+        late,
+        delay: if late > 0.0 { mean(&delays) } else { 0.0 },
     })
 }
 
-/// 0 of none.
-fn mean(seconds: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = seconds.fold((0.0, 0.0), |(sum, count), seconds| (sum + seconds, count + 1.0));
-    if count == 0.0 { 0.0 } else { sum / count }
+/// The mean where the machine is as it mostly is: the median of the means of so many at a time. 0 of none.
+fn typical(seconds: &[f64]) -> f64 {
+    match seconds {
+        [] => 0.0,
+        _ => median(&seconds.chunks(AT_A_TIME).map(mean).collect::<Vec<f64>>()),
+    }
+}
+
+fn mean(seconds: &[f64]) -> f64 {
+    seconds.iter().sum::<f64>() / seconds.len() as f64
 }
 
 /// Who sends.
@@ -155,6 +170,7 @@ struct Bench {
     ended: AtomicU64,
     /// Of [`Trip::gap`], in nanoseconds.
     gap: AtomicU64,
+    memory: Vec<u64>,
 }
 
 impl Bench {
@@ -170,6 +186,7 @@ impl Bench {
             begun: AtomicU64::new(0),
             ended: AtomicU64::new(0),
             gap: AtomicU64::new(0),
+            memory: (0..MEMORY as u64 / 8).collect(),
         }
     }
 
@@ -193,7 +210,10 @@ impl Bench {
         std::thread::scope(|scope| {
             let reader = scope.spawn(read);
             let own = scope.spawn(|| worker(core).then(|| self.compute()));
-            let send = || worker(other).then(|| (0..rounds).map_while(|_| self.send()).collect());
+            let send = || {
+                let mut place = 0;
+                worker(other).then(|| (0..rounds).map_while(|_| self.send(&mut place)).collect())
+            };
             let theirs = scope.spawn(send).join().ok().flatten();
             self.over.store(true, Relaxed);
             // So that the reader sees it.
@@ -212,7 +232,7 @@ impl Bench {
                 self.begun.fetch_add(1, Relaxed);
                 let times = &self.times[worker];
                 times.read.store(self.now(), Relaxed);
-                self.compute_for(self.work);
+                self.wait_for(self.work);
                 times.done.store(self.now(), Relaxed);
                 self.desks[worker].lay(Some(parcel), None);
                 times.answered.store(self.now(), Relaxed);
@@ -226,7 +246,9 @@ impl Bench {
         let mut own = vec![];
         let mut last = self.now();
         let mut next = last;
+        let mut place = 0;
         while !self.over.load(Relaxed) {
+            self.walk(&mut place);
             let now = self.now();
             self.gap.fetch_max(now - last, Relaxed);
             last = now;
@@ -240,12 +262,15 @@ impl Bench {
         own
     }
 
-    fn send(&self) -> Option<Trip> {
-        self.compute_for(BETWEEN);
+    fn send(&self, place: &mut usize) -> Option<Trip> {
+        let end = self.now() + BETWEEN.as_nanos() as u64;
+        while self.now() < end {
+            self.walk(place);
+        }
         self.gap.store(0, Relaxed);
         let trip = self.trip(THEIRS)?;
         // Until who was interrupted computes again.
-        self.compute_for(BETWEEN / 4);
+        self.wait_for(BETWEEN / 4);
         Some(Trip { gap: self.gap.load(Relaxed) as f64 * 1e-9, ..trip })
     }
 
@@ -285,7 +310,16 @@ impl Bench {
         })
     }
 
-    fn compute_for(&self, time: Duration) {
+    /// Reads the next bit of memory.
+    fn walk(&self, place: &mut usize) {
+        let end = *place + STRIDE / 8;
+        std::hint::black_box(
+            self.memory[*place..end].iter().fold(0, |sum: u64, value| sum.wrapping_add(*value)),
+        );
+        *place = if end == self.memory.len() { 0 } else { end };
+    }
+
+    fn wait_for(&self, time: Duration) {
         let end = self.now() + time.as_nanos() as u64;
         while self.now() < end {}
     }
@@ -309,6 +343,15 @@ mod tests {
         assert!(wait == 0.0 || wait > 1e-5, "{shared:?}");
         assert!((0.0..=1.0).contains(&late) && if late > 0.0 { delay > LATE } else { delay == 0.0 });
         assert_eq!(shared_core_seconds(1, usize::MAX, other, 0.0), None, "no such CPU");
+    }
+
+    #[test]
+    fn what_is_typical_is_a_mean_that_a_noisy_while_does_not_change() {
+        assert_eq!(typical(&[]), 0.0);
+        assert_eq!(typical(&[1.0, 2.0, 6.0]), 3.0);
+        let mut seconds = [[1.0, 3.0]; 4 * AT_A_TIME].concat();
+        seconds[AT_A_TIME..3 * AT_A_TIME].fill(1e9);
+        assert_eq!(typical(&seconds), 2.0);
     }
 
     #[test]

@@ -7,6 +7,7 @@
 
 use crate::error::Result;
 use crate::film::Film;
+use crate::math::median;
 use crate::schedule::{
     Control, FilmMode, FrameStats, Machine, Placement, Schedule, SharedCore, Strategy, TileTask,
     pin_current_thread, shared_core_seconds, steal_seconds, with_workers,
@@ -18,7 +19,7 @@ use std::time::Instant;
 /// Frames per measurement.
 const FRAMES: usize = 21;
 /// Messages of either kind between threads that share a core: enough to see how often one is late.
-const MESSAGES: usize = 1000;
+const MESSAGES: usize = 1500;
 /// Tiles in a side of an image of empty tiles, where the time per tile matters ...
 const SIDE: u32 = 128;
 /// ... the same of strategies that answer every tile: a message takes as long as hundreds of tiles do.
@@ -151,17 +152,36 @@ impl Costs {
         let per_byte = copy_seconds_per_byte(pin);
         // To the master and back, each about what waking somebody costs.
         let guess = SharedCore::punctual(send, to_master, 3.0 * send, 2.0 * send);
-        let sharing = |work| shared_core(pin, work).unwrap_or(guess);
-        Ok(Costs {
+        let shared = shared_core(pin, collect).unwrap_or(guess);
+        let seen = Costs {
             // The first task wakes the worker.
             prepare: quiet(&small, |stats| (stats.master.frames - reply).max(0.0)),
             steal: steal_seconds(FRAMES),
-            shared: sharing(collect),
-            copying: sharing(collect + per_byte * TILE_BYTES),
+            shared,
             per_byte,
             cores: Machine::get().default_workers(),
             ..seen
-        })
+        };
+        Ok(seen.sharing_while_copying(collect + per_byte * TILE_BYTES, pin))
+    }
+
+    /// The same with [`Costs::copying`] measured for a master who has as much to do for a report of one tile as in these
+    /// streams of one worker. Takes a second.
+    pub(super) fn copying_as_in<'a>(
+        self,
+        streams: impl Iterator<Item = (Schedule, &'a [FrameStats])>,
+        pin: bool,
+    ) -> Costs {
+        let work = streams.map(|(schedule, streams)| {
+            let Costs { collect, per_byte, .. } = self.seen_in(streams, schedule, 1.0);
+            collect + per_byte * TILE_BYTES
+        });
+        let work: Vec<f64> = work.collect();
+        if work.is_empty() { self } else { self.sharing_while_copying(median(&work), pin) }
+    }
+
+    fn sharing_while_copying(self, work: f64, pin: bool) -> Costs {
+        Costs { copying: shared_core(pin, work).unwrap_or(self.shared), ..self }
     }
 }
 
@@ -274,7 +294,7 @@ fn copy_seconds_per_byte(pin: bool) -> f64 {
         };
         // The first time touches the memory; a later frame finds it there.
         let _ = tiles.iter().map(&mut copy).sum::<f64>();
-        tiles.iter().map(copy).sum::<f64>() / (1024.0 * 1024.0 * 12.0)
+        quarter(tiles.iter().map(copy).collect()) / TILE_BYTES
     };
     std::thread::scope(|scope| {
         scope.spawn(worker);
@@ -290,9 +310,12 @@ fn quieter_half(frames: &mut [FrameStats]) -> &[FrameStats] {
 
 /// The value that a quarter of the frames stay below: other processes can only make steps longer.
 fn quiet(frames: &[FrameStats], of: impl Fn(&FrameStats) -> f64) -> f64 {
-    let mut sorted: Vec<f64> = frames.iter().map(of).collect();
-    sorted.sort_by(f64::total_cmp);
-    sorted[sorted.len() / 4]
+    quarter(frames.iter().map(of).collect())
+}
+
+fn quarter(mut seconds: Vec<f64>) -> f64 {
+    seconds.sort_by(f64::total_cmp);
+    seconds[seconds.len() / 4]
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ use crate::{
     math::median,
     render::{RenderOptions, Stage},
     scene::Scene,
-    schedule::{Control, FrameStats, Machine, Schedule},
+    schedule::{Control, FilmMode, FrameStats, Machine, Schedule},
     tile::Tile,
 };
 use measure::{Measured, Method, Rounds, TileCosts};
@@ -141,8 +141,14 @@ pub fn scaling(
     let base = stage.tiles(method.side);
     let mut rows = vec![];
     for film in measure::films(&options.schedules) {
-        let alone = rounds.all.iter().filter(|m| m.workers == 1 && m.schedule.film == film);
-        let streams = alone.flat_map(|m| &m.streams).chain(rounds.smaller.get(&film).into_iter().flatten());
+        let alone = || rounds.all.iter().filter(|m| m.workers == 1 && m.schedule.film == film);
+        let costs = &match film {
+            FilmMode::Shared => *costs,
+            FilmMode::Messages => {
+                costs.copying_as_in(alone().map(|m| (m.schedule, &m.streams[..])), method.pin)
+            }
+        };
+        let streams = alone().flat_map(|m| &m.streams).chain(rounds.smaller.get(&film).into_iter().flatten());
         let tiles = TileCosts::new(&base, streams);
         let study = Study { scene, options, costs, cores, rounds: &rounds, base: &base };
         for &schedule in options.schedules.iter().filter(|schedule| schedule.film == film) {
@@ -287,7 +293,7 @@ fn least(samples: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::schedule::{FilmMode, Idle, Pinned, SharedCore, Span, Strategy, WorkerStats};
+    use crate::schedule::{Idle, Pinned, SharedCore, Span, Strategy, WorkerStats};
     use crate::tile::{self, Order};
 
     #[test]

@@ -5,9 +5,10 @@
 //! behind, so that in steady state nothing is allocated.
 
 use super::message::{Parcel, Report, Task};
-use super::sync::{Condvar, Mutex, MutexGuard};
+use super::sync::{Condvar, Mutex, MutexGuard, yield_now};
 use std::collections::VecDeque;
 use std::sync::PoisonError;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// What the master laid out for one worker.
@@ -97,6 +98,8 @@ impl<F, O> Desk<F, O> {
 pub(super) struct Inbox<O> {
     state: Mutex<InInbox<O>>,
     changed: Condvar,
+    /// Whether there are any, for those who only want to know that.
+    unread: AtomicBool,
 }
 
 struct InInbox<O> {
@@ -107,13 +110,14 @@ struct InInbox<O> {
 impl<O> Inbox<O> {
     pub(super) fn new() -> Inbox<O> {
         let state = InInbox { reports: VecDeque::new(), master_waits: false };
-        Inbox { state: Mutex::new(state), changed: Condvar::new() }
+        Inbox { state: Mutex::new(state), changed: Condvar::new(), unread: AtomicBool::new(false) }
     }
 
     /// Worker: sends a report.
     pub(super) fn post(&self, report: Report<O>) {
         let mut state = lock(&self.state);
         state.reports.push_back(report);
+        self.unread.store(true, Ordering::Relaxed);
         let waits = std::mem::take(&mut state.master_waits);
         drop(state);
         if waits {
@@ -129,7 +133,15 @@ impl<O> Inbox<O> {
             state = self.changed.wait_timeout(state, at_most).unwrap_or_else(PoisonError::into_inner).0;
             state.master_waits = false;
         }
+        self.unread.store(false, Ordering::Relaxed);
         std::mem::swap(&mut state.reports, taken);
+    }
+
+    /// Worker: a master that has reports to read and waits for its turn on this CPU has it now.
+    pub(super) fn let_master_read(&self) {
+        if self.unread.load(Ordering::Relaxed) {
+            yield_now();
+        }
     }
 }
 

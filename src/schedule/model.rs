@@ -23,7 +23,7 @@ mod worker;
 /// Stands for `sync.rs`.
 mod sync {
     pub(super) use shuttle::sync::{Condvar, Mutex, MutexGuard};
-    pub(super) use shuttle::thread::{Scope, scope};
+    pub(super) use shuttle::thread::{Scope, scope, yield_now};
 
     pub(super) fn spawn<'scope>(
         scope: &'scope Scope<'scope, '_>,

@@ -1,7 +1,7 @@
 //! What the protocol synchronises with. `model.rs` compiles the same protocol with another version of this file.
 
 pub(super) use std::sync::{Condvar, Mutex, MutexGuard};
-pub(super) use std::thread::{Scope, scope};
+pub(super) use std::thread::{Scope, scope, yield_now};
 
 use super::policy::compute_in_batches;
 use std::{io, thread};

@@ -108,6 +108,7 @@ impl<T: TileTask> Hand<'_, T> {
     ) -> Option<(Tile, String)> {
         let mut next = places.next();
         while let Some(place) = next {
+            self.inbox.let_master_read();
             // A closed desk ends the task; `serve` sees it, too.
             let item = self.next_item(place)?;
             // After the wait for a parcel, which may have been long.

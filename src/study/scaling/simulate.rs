@@ -280,6 +280,12 @@ impl<'a> Simulation<'a> {
             self.give_way(worker, now);
             return;
         }
+        if self.give_way(worker, now) {
+            let time = self.master_free - now + self.costs.shared.switch;
+            self.workers[worker].stand(now, time);
+            self.at(now, What::Look(worker));
+            return;
+        }
         let Some((frame, place, now)) = self.take_tile(worker, now) else {
             self.post(worker, now, true);
             return;
@@ -410,17 +416,21 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// The worker waits: a master that waits for its turn on the same core has it now.
-    fn give_way(&mut self, worker: usize, now: f64) {
-        if self.host() == Some(worker) && now < self.late_until {
+    /// The worker is on no tile: a master that waits for its turn on the same core has it now. Whether there is one.
+    fn give_way(&mut self, worker: usize, now: f64) -> bool {
+        let gives = self.host() == Some(worker) && now < self.late_until;
+        if gives {
             self.master_free -= self.late_until - now;
             self.late_until = now;
+            // The worker stands still between tiles; nothing is taken from one.
+            self.owed = 0.0;
             self.handling += 1;
             self.at(self.master_free, What::Handled(self.handling));
         }
+        gives
     }
 
-    /// How much later than usual a master on the core of a busy worker wakes up, unless that worker waits before.
+    /// How much later than usual a master on the core of a busy worker wakes up, unless that worker's tile ends before.
     fn lateness(&mut self) -> f64 {
         let SharedCore { late, delay, .. } = self.costs.shared;
         self.lateness += late;

@@ -326,11 +326,13 @@ fn by_hand_every_so_many_wake_ups_are_late_and_the_host_computes_meanwhile() {
 }
 
 #[test]
-fn a_late_master_has_its_turn_once_its_host_waits() {
-    let end = |seconds: &[f64]| with_late_wake_ups(1.0, seconds).seconds;
-    // The report at 2 is handled at 11, unless both of the host's tiles have ended.
-    assert_eq!(end(&[2.0, 10.0, 2.0, 30.0]), 40.0);
-    assert_eq!(end(&[2.0, 3.0, 2.0, 3.0]), 6.0);
+fn a_late_master_has_its_turn_once_the_tile_of_its_host_has_ended() {
+    // The report at 2 is handled at 3, and gives the other one its third tile. Of those at 4 and 9 the host, on its second tile until
+    // 33, takes no notice; they are handled at 13, that at 18 at 27.
+    let stats = with_late_wake_ups(1.0, &[2.0, 3.0, 2.0, 30.0, 5.0, 5.0, 5.0, 5.0, 5.0]);
+    let of = |worker| stats.spans.iter().filter(move |span| span.worker == worker).map(|span| span.start);
+    assert_eq!(of(0).collect::<Vec<f64>>(), [0.0, 2.0, 4.0, 13.0, 18.0, 27.0]);
+    assert_eq!(of(1).collect::<Vec<f64>>(), [0.0, 3.0, 33.0]);
 }
 
 #[test]
@@ -391,20 +393,20 @@ fn a_master_that_had_its_turn_early_still_takes_its_time_for_every_report() {
     let stats =
         given(Strategy::NonBlocking, 2, Flow::ONE, &[2.0, 3.0, 2.0, 3.0, 2.0, 3.0, 2.0, 2.0, 2.0], &costs);
     let of = |worker| stats.spans.iter().filter(move |span| span.worker == worker);
-    // Late from 2 until the host waits at 6; then 5 for each report, in turn from the other one and the host.
-    assert_eq!(of(0).map(|span| span.start).take(4).collect::<Vec<f64>>(), [0.0, 2.0, 11.0, 21.0]);
-    // Two reports were handled while the host waited: nothing is taken from its tile.
+    // Late from 2 until the host's tile ends at 3; then 5 for each report, in turn from the other one and the host.
+    assert_eq!(of(0).map(|span| span.start).take(4).collect::<Vec<f64>>(), [0.0, 2.0, 8.0, 18.0]);
+    // Two reports were handled before the host's second tile: nothing is taken from the third.
+    assert_eq!(of(1).map(|span| span.start).take(2).collect::<Vec<f64>>(), [0.0, 13.0]);
     let third = of(1).nth(2).unwrap();
     assert_eq!((third.start, third.end), (16.0, 19.0));
 }
 
 #[test]
-fn a_host_computes_on_while_its_own_report_is_late() {
-    let costs =
-        Costs { collect: 1.0, shared: SharedCore { late: 1.0, delay: 5.0, ..SHARED }, cores: 1, ..FREE };
+fn the_host_does_not_go_on_before_its_own_report_is_handled() {
+    let shared = SharedCore { late: 1.0, delay: 5.0, switch: 0.5, ..SHARED };
+    let costs = Costs { collect: 1.0, shared, cores: 1, ..FREE };
     let spans = given(Strategy::NonBlocking, 1, Flow::ONE, &[10.0; 4], &costs).spans;
-    assert_eq!((spans[1].start, spans[1].end), (10.0, 20.0));
-    assert_eq!((spans[2].start, spans[2].end), (20.0, 31.0), "the report of the first tile, at 15");
+    assert_eq!((spans[1].start, spans[1].end), (11.75, 21.75), "first woken in 0.25");
 }
 
 #[test]

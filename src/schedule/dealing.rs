@@ -2,7 +2,7 @@
 
 use super::flight::{Flight, Running};
 use super::master::{Master, lost_worker};
-use super::message::{Shared, Task, Work};
+use super::message::{Shared, Task, Unfinished, Work};
 use super::source::Source;
 use super::{Dealer, End, FilmMode, Plan, Strategy, TileTask};
 use crate::error::Result;
@@ -83,7 +83,10 @@ impl<T: TileTask> Master<T> {
         });
         self.begun += 1;
         let (due, spans) = (vec![0; self.desks.len()], Vec::with_capacity(shared.tiles.len()));
-        let mut flight = Flight { shared, plan, dealer, due, deques: vec![], done: 0, spans };
+        // Whoever has one parcel waits for the answer.
+        let silent = schedule.strategy == Strategy::Stealing && schedule.film == FilmMode::Shared;
+        let unfinished = silent.then(|| Unfinished::new(work.len()));
+        let mut flight = Flight { shared, plan, dealer, due, unfinished, deques: vec![], done: 0, spans };
         for (worker, work) in work {
             let task = flight.task(worker, work, stats);
             self.desks[worker].lay(None, Some(task));

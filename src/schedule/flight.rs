@@ -1,6 +1,6 @@
 //! What the master keeps about frames under way.
 
-use super::message::{Parcel, Shared, Task, Work};
+use super::message::{Parcel, Shared, Task, Unfinished, Work};
 use super::{Dealer, FrameStats, Pause, Plan, Schedule, Span};
 use crate::error::Error;
 use crate::tile::Tile;
@@ -58,6 +58,7 @@ pub(super) struct Flight<F> {
     pub(super) dealer: Dealer,
     /// Tasks that each worker was dealt and has not finished.
     pub(super) due: Vec<usize>,
+    pub(super) unfinished: Option<Unfinished>,
     /// Those that came back.
     pub(super) deques: Vec<Deque<usize>>,
     /// Tiles collected.
@@ -81,7 +82,8 @@ impl<F> Flight<F> {
     pub(super) fn task(&mut self, worker: usize, work: Work, stats: &mut FrameStats) -> Task<F> {
         self.due[worker] += 1;
         stats.tasks.count += 1;
-        Task { shared: Arc::clone(&self.shared), work, sent: Instant::now() }
+        let unfinished = self.unfinished.clone();
+        Task { shared: Arc::clone(&self.shared), work, sent: Instant::now(), unfinished }
     }
 
     /// The next tiles of this frame, as a message for `worker`; `None` if all are dealt.

@@ -98,7 +98,7 @@ impl<F, O> Desk<F, O> {
 pub(super) struct Inbox<O> {
     state: Mutex<InInbox<O>>,
     changed: Condvar,
-    /// Whether there are any, for those who only want to know that.
+    /// Whether there are any that the master was woken for; for those who only want to know that.
     unread: AtomicBool,
 }
 
@@ -117,6 +117,23 @@ impl<O> Inbox<O> {
     pub(super) fn post(&self, report: Report<O>) {
         let mut state = lock(&self.state);
         state.reports.push_back(report);
+        self.notify(state);
+    }
+
+    /// Worker: lays down a report that can wait until the master is woken for another one, or wakes up by itself.
+    pub(super) fn put(&self, report: Report<O>) {
+        lock(&self.state).reports.push_back(report);
+    }
+
+    /// Worker: whatever was put down is worth reading now.
+    pub(super) fn wake(&self) {
+        let state = lock(&self.state);
+        if !state.reports.is_empty() {
+            self.notify(state);
+        }
+    }
+
+    fn notify(&self, mut state: MutexGuard<'_, InInbox<O>>) {
         self.unread.store(true, Ordering::Relaxed);
         let waits = std::mem::take(&mut state.master_waits);
         drop(state);

@@ -188,7 +188,9 @@ impl<T: TileTask> Master<T> {
                 }
                 Report::Parcel { worker, mut parcel, sent } => {
                     running.stats.reports.count += 1;
-                    running.stats.reports.arrived(now.saturating_duration_since(sent));
+                    if let Some(sent) = sent {
+                        running.stats.reports.arrived(now.saturating_duration_since(sent));
+                    }
                     self.collect(worker, &mut parcel, control, running, source);
                     // Before the parcel goes back: its worker may be waiting for it with the next tile in mind.
                     if control.cancelled() {
@@ -292,7 +294,13 @@ impl<T: TileTask> Master<T> {
 
     fn lose(&mut self, worker: usize) {
         self.alive[worker] = false;
-        self.flights.iter_mut().for_each(|flight| flight.due[worker] = 0);
+        for flight in &mut self.flights {
+            let lost = std::mem::take(&mut flight.due[worker]);
+            // Whoever finishes the last one after this tells; the reports of those who did before are in the inbox.
+            if let Some(unfinished) = &flight.unfinished {
+                unfinished.finish(lost);
+            }
+        }
         self.desks[worker].clear();
     }
 

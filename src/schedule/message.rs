@@ -5,7 +5,7 @@ use super::pin::Pinned;
 use crate::tile::Tile;
 use crossbeam_deque::{Stealer, Worker as Deque};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 /// What all workers read while a frame lasts.
@@ -27,6 +27,23 @@ pub(super) struct Task<F> {
     pub(super) shared: Arc<Shared<F>>,
     pub(super) work: Work,
     pub(super) sent: Instant,
+    /// Of a frame whose tasks are all dealt at first, and entitle to nothing when they are finished.
+    pub(super) unfinished: Option<Unfinished>,
+}
+
+/// How many tasks of a frame are unfinished. Only the news that there is none left is worth waking the master for.
+#[derive(Clone)]
+pub(super) struct Unfinished(Arc<AtomicUsize>);
+
+impl Unfinished {
+    pub(super) fn new(tasks: usize) -> Unfinished {
+        Unfinished(Arc::new(AtomicUsize::new(tasks)))
+    }
+
+    /// So many more are finished, or will never be. True if none is left.
+    pub(super) fn finish(&self, tasks: usize) -> bool {
+        tasks > 0 && self.0.fetch_sub(tasks, Ordering::AcqRel) == tasks
+    }
 }
 
 /// The tiles of a task.
@@ -42,7 +59,8 @@ pub(super) enum Report<O> {
     /// Sent once, before the first task.
     Ready { worker: usize, pinned: Pinned },
     /// Results. The master empties the parcel and lays it back on the worker's desk.
-    Parcel { worker: usize, parcel: Box<Parcel<O>>, sent: Instant },
+    /// `sent` if the master was to be woken.
+    Parcel { worker: usize, parcel: Box<Parcel<O>>, sent: Option<Instant> },
     /// Sent at most once: the thread ends although its desk was not closed.
     Lost { worker: usize },
 }

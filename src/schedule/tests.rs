@@ -181,6 +181,22 @@ fn every_tile_is_run_exactly_once_whatever_the_schedule() {
 }
 
 #[test]
+fn of_a_stolen_frame_no_worker_wakes_the_master_before_all_tasks_are_finished() {
+    in_time(|| {
+        with_counting(4, |master| {
+            // Of those that wake the master it is known how long they were on their way.
+            for (film, wakes) in [(FilmMode::Shared, false), (FilmMode::Messages, true)] {
+                let schedule = Schedule { strategy: Strategy::Stealing, film };
+                let stats = check_frame(master, schedule, [128, 128], 8);
+                assert!(stats.reports.count >= 4 && (stats.reports.awaited > 0) == wakes, "{stats:?}");
+            }
+            Ok(())
+        })
+        .unwrap();
+    });
+}
+
+#[test]
 fn many_more_workers_than_cores_finish() {
     in_time(|| {
         with_counting(64, |master| {

@@ -2,7 +2,7 @@
 
 use super::TileTask;
 use super::mail::{Desk, Inbox};
-use super::message::{Item, Parcel, Report, Shared, Task, Wait, Work};
+use super::message::{Item, Parcel, Report, Shared, Task, Unfinished, Wait, Work};
 use super::pin::pin_current_thread;
 use crate::tile::Tile;
 use crossbeam_deque::{Steal, Stealer, Worker as Deque};
@@ -64,7 +64,7 @@ impl<T: TileTask> Hand<'_, T> {
         loop {
             let start = Instant::now();
             let (task, waited) = self.desk.task();
-            let Some(Task { shared, work, sent }) = task else { return };
+            let Some(Task { shared, work, sent, unfinished }) = task else { return };
             if waited {
                 let end = Instant::now();
                 self.log.waits.push(Wait { start, end, deliver: false });
@@ -96,7 +96,21 @@ impl<T: TileTask> Hand<'_, T> {
                     Work::Share(deque) => Some(deque),
                 };
             }
-            self.post();
+            match unfinished {
+                Some(unfinished) => self.tell_if_last(&unfinished),
+                None => self.post(),
+            }
+        }
+    }
+
+    /// Sends the last parcel of a task, and wakes the master if it was the last task of its frame, or failed.
+    fn tell_if_last(&mut self, unfinished: &Unfinished) {
+        let Some(parcel) = self.take_parcel() else { return };
+        let failed = parcel.failure.is_some();
+        self.inbox.put(Report::Parcel { worker: self.worker, parcel, sent: None });
+        // In this order: whoever finds that it was the last one knows that all the others' reports lie there.
+        if unfinished.finish(1) || failed {
+            self.inbox.wake();
         }
     }
 
@@ -182,14 +196,20 @@ impl<T: TileTask> Hand<'_, T> {
 
     /// Sends the parcel held, if any.
     fn post(&mut self) {
-        let Some(mut parcel) = self.parcel.take() else { return };
+        let Some(parcel) = self.take_parcel() else { return };
+        let sent = Some(self.log.last_post);
+        self.inbox.post(Report::Parcel { worker: self.worker, parcel, sent });
+    }
+
+    /// The parcel held, ready to be sent.
+    fn take_parcel(&mut self) -> Option<Box<Parcel<T::Output>>> {
+        let mut parcel = self.parcel.take()?;
         parcel.frame = self.frame;
         parcel.waits.append(&mut self.log.waits);
         parcel.task_latencies.append(&mut self.log.task_latencies);
         parcel.steals = std::mem::take(&mut self.log.steals);
-        let sent = Instant::now();
-        self.log.last_post = sent;
-        self.inbox.post(Report::Parcel { worker: self.worker, parcel, sent });
+        self.log.last_post = Instant::now();
+        Some(parcel)
     }
 }
 

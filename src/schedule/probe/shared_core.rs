@@ -283,7 +283,7 @@ impl Bench {
         let (begun, ended) = (self.begun.load(Relaxed), self.ended.load(Relaxed));
         let parcel = Box::default();
         let sent = self.now();
-        self.inbox.post(Report::Parcel { worker: sender, parcel, sent: self.origin });
+        self.inbox.post(Report::Parcel { worker: sender, parcel, sent: None });
         let posted = self.now();
         while !self.waits && times.answered.load(Relaxed) == 0 {
             if self.over.load(Relaxed) {

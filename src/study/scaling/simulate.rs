@@ -93,8 +93,9 @@ struct Simulation<'a> {
     workers: Vec<Worker>,
     events: BinaryHeap<Reverse<Event>>,
     number: u64,
-    /// What the master has not handled yet; it is on the first one.
+    /// What the master has not handled yet; while it is awake, it is on the first one.
     inbox: VecDeque<Report>,
+    awake: bool,
     master_free: f64,
     /// Late wake-ups of the master that are due.
     lateness: f64,
@@ -133,6 +134,7 @@ impl<'a> Simulation<'a> {
             events: BinaryHeap::new(),
             number: 0,
             inbox: VecDeque::new(),
+            awake: false,
             master_free: 0.0,
             lateness: 0.0,
             late_until: 0.0,
@@ -175,7 +177,16 @@ impl<'a> Simulation<'a> {
                 true => first.iter().map(|run| run.unwrap_or(empty)).collect(),
                 false => vec![],
             };
-            self.flights.push_back(Flight { number: frame, replay, dealer, due: 0, done: 0, ranges });
+            let unfinished = self.workers.len();
+            self.flights.push_back(Flight {
+                number: frame,
+                replay,
+                dealer,
+                due: 0,
+                unfinished,
+                done: 0,
+                ranges,
+            });
             for (worker, run) in first.into_iter().enumerate() {
                 // Who owns nothing may steal.
                 let run = if self.stealing() { Some(empty) } else { run };
@@ -339,8 +350,16 @@ impl<'a> Simulation<'a> {
         if finished {
             desk.task = None;
         }
+        let tells_last = self.stealing() && self.schedule.film == FilmMode::Shared;
+        let silent = match self.flight(frame) {
+            Some(flight) if tells_last => {
+                flight.unfinished -= 1;
+                flight.unfinished > 0
+            }
+            _ => false,
+        };
         // Who finds the master asleep wakes it; on the same core it goes on at once.
-        let (wakes, latency) = if now < self.master_free || self.host() == Some(worker) {
+        let (wakes, latency) = if silent || now < self.master_free || self.host() == Some(worker) {
             (0.0, 0.0)
         } else if self.busy_host(now).is_some() {
             (self.costs.shared.send, self.costs.shared.latency)
@@ -349,14 +368,18 @@ impl<'a> Simulation<'a> {
         };
         let arrives = now + wakes + latency;
         self.reports.count += 1;
-        self.at(arrives, What::Arrive(Report { worker, frame, tiles, pixels, finished }));
+        self.at(arrives, What::Arrive(Report { worker, frame, tiles, pixels, finished, silent }));
         self.at(now + wakes, What::Look(worker));
     }
 
     fn arrive(&mut self, report: Report, now: f64) {
         self.inbox.push_back(report);
-        if self.inbox.len() == 1 {
-            self.handle(report, now, now >= self.master_free);
+        if !self.awake
+            && !report.silent
+            && let Some(&first) = self.inbox.front()
+        {
+            self.awake = true;
+            self.handle(first, now, now >= self.master_free);
         }
     }
 
@@ -411,8 +434,9 @@ impl<'a> Simulation<'a> {
             self.workers[host].debt += self.owed + self.master_free - now;
         }
         self.end = self.end.max(self.master_free);
-        if let Some(&next) = self.inbox.front() {
-            self.handle(next, self.master_free, false);
+        match self.inbox.front() {
+            Some(&next) => self.handle(next, self.master_free, false),
+            None => self.awake = false,
         }
     }
 

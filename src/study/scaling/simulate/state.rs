@@ -37,6 +37,8 @@ pub(super) struct Report {
     pub(super) tiles: usize,
     pub(super) pixels: usize,
     pub(super) finished: bool,
+    /// The master is not woken for it.
+    pub(super) silent: bool,
 }
 
 /// Some tiles of a frame.
@@ -84,6 +86,8 @@ pub(super) struct Flight {
     pub(super) replay: usize,
     pub(super) dealer: Dealer,
     pub(super) due: usize,
+    /// Tasks that are not finished, if that is told only of the last one.
+    pub(super) unfinished: usize,
     /// Tiles of which the master was told.
     pub(super) done: usize,
     /// Of a stealing strategy, what each worker has left.

@@ -373,6 +373,16 @@ fn by_hand_a_host_goes_on_when_the_master_has_nothing_left_to_do() {
 }
 
 #[test]
+fn by_hand_only_the_last_one_who_finishes_a_stolen_frame_wakes_the_master() {
+    let costs = Costs { send: 4.0, to_master: 3.0, collect: 5.0, ..FREE };
+    let time =
+        |workers, seconds: &[f64]| given(Strategy::Stealing, workers, Flow::ONE, seconds, &costs).seconds;
+    // Done at 20 and at 30; both reports are handled then.
+    assert_eq!(time(2, &[10.0, 10.0, 10.0, 20.0]), 30.0 + (4.0 + 3.0) + 2.0 * 5.0);
+    assert_eq!(time(1, &[10.0; 4]), 40.0 + (4.0 + 3.0) + 5.0);
+}
+
+#[test]
 fn by_hand_who_waits_for_long_is_dear_to_wake() {
     let shared = SharedCore { reply: 1.0, back: 2.0, wait: 5.0, ..SHARED };
     let second = |collect, cores| {

@@ -227,6 +227,8 @@ pub fn idle_table(rows: &[ScalingRow]) -> Table {
         for (number, worker) in row.frame.workers.iter().enumerate() {
             // Messages are counted for all workers together.
             let once = |cell: Cell| if number == 0 { cell } else { Cell::Missing };
+            let reports = &row.frame.reports;
+            let latency = if reports.awaited == 0 { Cell::Missing } else { (reports.latency() * 1e6).into() };
             table.push(head(row).into_iter().chain([
                 number.into(),
                 worker.tiles.into(),
@@ -237,8 +239,8 @@ pub fn idle_table(rows: &[ScalingRow]) -> Table {
                 share(worker.idle.deliver),
                 share(worker.idle.tail),
                 once(row.frame.tasks.count.into()),
-                once(row.frame.reports.count.into()),
-                once((row.frame.reports.latency() * 1e6).into()),
+                once(reports.count.into()),
+                once(latency),
                 once(share(row.frame.master.frames + row.frame.master.reports)),
             ]));
         }

@@ -8,9 +8,9 @@
 //!                                 <---- interrupt + work -->
 //! ```
 //!
-//! Both cores send, as workers do, and walk through memory, as tiles do: the system's own code and data for waking
-//! somebody are then not in the innermost caches, either. Now and then the system finds that the reader had enough for a while, the sooner the more it
-//! has to do for a message, and lets who computes go on to the end of a time slice. Then a message is late.
+//! Both cores send, as workers do, and walk through memory, as tiles do: the system's own code and data for waking somebody
+//! are then not in the innermost caches, either. Now and then the system finds that the reader had enough for a while, the
+//! sooner the more it has to do for a message, and lets who computes go on to the end of a time slice. Then a message is late.
 
 use crate::math::median;
 use crate::schedule::mail::{Desk, Inbox};

@@ -129,3 +129,15 @@ impl<O> Parcel<O> {
         self.steals = 0;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_who_finishes_the_last_task_is_told_so_even_if_another_ones_will_never_be() {
+        let unfinished = Unfinished::new(4);
+        let told = [1, 0, 2, 0, 1].map(|tasks| unfinished.clone().finish(tasks));
+        assert_eq!(told, [false, false, false, false, true]);
+    }
+}

@@ -181,7 +181,7 @@ fn every_tile_is_run_exactly_once_whatever_the_schedule() {
 }
 
 #[test]
-fn of_a_stolen_frame_no_worker_wakes_the_master_before_all_tasks_are_finished() {
+fn reports_of_a_stolen_frame_are_awaited_by_nobody() {
     in_time(|| {
         with_counting(4, |master| {
             // Of those that wake the master it is known how long they were on their way.

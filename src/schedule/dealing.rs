@@ -83,9 +83,7 @@ impl<T: TileTask> Master<T> {
         });
         self.begun += 1;
         let (due, spans) = (vec![0; self.desks.len()], Vec::with_capacity(shared.tiles.len()));
-        // Whoever has one parcel waits for the answer.
-        let silent = schedule.strategy == Strategy::Stealing && schedule.film == FilmMode::Shared;
-        let unfinished = silent.then(|| Unfinished::new(work.len()));
+        let unfinished = schedule.tells_only_last().then(|| Unfinished::new(work.len()));
         let mut flight = Flight { shared, plan, dealer, due, unfinished, deques: vec![], done: 0, spans };
         for (worker, work) in work {
             let task = flight.task(worker, work, stats);

@@ -58,6 +58,7 @@ pub(super) struct Flight<F> {
     pub(super) dealer: Dealer,
     /// Tasks that each worker was dealt and has not finished.
     pub(super) due: Vec<usize>,
+    /// If only the last task that is finished is worth waking the master for.
     pub(super) unfinished: Option<Unfinished>,
     /// Those that came back.
     pub(super) deques: Vec<Deque<usize>>,

@@ -115,6 +115,12 @@ pub struct Schedule {
 }
 
 impl Schedule {
+    /// True if a finished task entitles its worker to nothing, nor does that one wait for its parcel: then only the last one of a
+    /// frame is worth waking the master for.
+    pub fn tells_only_last(self) -> bool {
+        self.film == FilmMode::Shared && self.strategy.deals_at_first() && self.strategy.parcels() > 1
+    }
+
     /// Every strategy with every film mode.
     pub fn all() -> impl Iterator<Item = Schedule> {
         Strategy::ALL

@@ -54,7 +54,7 @@ pub struct Costs {
     pub steal: f64,
     /// The same two where the master shares a core with a worker that computes.
     pub shared: SharedCore,
-    /// The same for a master who copies a tile for each report. The simulator is told of it as [`Costs::shared`].
+    /// The same for a master who copies a tile for each report.
     pub copying: SharedCore,
     /// The master, for each byte of pixels that it gets as a message.
     pub per_byte: f64,
@@ -93,11 +93,18 @@ impl Costs {
         }
     }
 
+    /// What the simulator is told for this film.
+    pub(super) fn of(self, film: FilmMode) -> Costs {
+        match film {
+            FilmMode::Shared => self,
+            FilmMode::Messages => Costs { shared: self.copying, ..self },
+        }
+    }
+
     /// What streams of one worker show of them, if there were a message every few tiles. If tiles took `slowness` times as
     /// long in them as they are taken to cost, so did messages.
     pub(super) fn seen_in(self, streams: &[FrameStats], schedule: Schedule, slowness: f64) -> Costs {
-        let shared = if schedule.film == FilmMode::Messages { self.copying } else { self.shared };
-        let known = Costs { shared, ..self };
+        let known = self.of(schedule.film);
         let sum = |of: fn(&FrameStats) -> f64| streams.iter().map(of).sum::<f64>();
         let tiles = sum(|s| s.spans.len() as f64);
         let (reports, awaited) = (sum(|s| s.reports.count as f64), sum(|s| s.reports.awaited as f64));
@@ -185,8 +192,8 @@ impl Costs {
     }
 }
 
-/// Where nothing takes any time.
-const NOTHING: Costs = Costs {
+/// Where nothing takes any time, and the master has a core of its own.
+pub(super) const NOTHING: Costs = Costs {
     prepare: 0.0,
     send: 0.0,
     reply: 0.0,

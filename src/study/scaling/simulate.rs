@@ -350,9 +350,9 @@ impl<'a> Simulation<'a> {
         if finished {
             desk.task = None;
         }
-        let tells_last = self.stealing() && self.schedule.film == FilmMode::Shared;
+        let tells_only_last = self.schedule.tells_only_last();
         let silent = match self.flight(frame) {
-            Some(flight) if tells_last => {
+            Some(flight) if finished && tells_only_last => {
                 flight.unfinished -= 1;
                 flight.unfinished > 0
             }

@@ -124,7 +124,13 @@ pub fn tile_sizes(
             let predicted = || {
                 let flow = flow.of(count, LONGEST_SIMULATED);
                 size.costs
-                    .simulate(schedule, &vec![1.0; count], flow, &size.tiles, &costs.on_cores(count))
+                    .simulate(
+                        schedule,
+                        &vec![1.0; count],
+                        flow,
+                        &size.tiles,
+                        &costs.of(schedule.film).on_cores(count),
+                    )
                     .per_frame()
             };
             rows.push(SizeRow {

@@ -2,35 +2,11 @@
 
 use super::*;
 use crate::schedule::CostMap;
+use crate::study::scaling::costs::NOTHING;
 use crate::tile::{Order, Tile, tiles};
 
-const FREE: Costs = Costs {
-    prepare: 0.0,
-    send: 0.0,
-    reply: 0.0,
-    to_master: 0.0,
-    to_worker: 0.0,
-    collect: 0.0,
-    collect_tile: 0.0,
-    tile: 0.0,
-    steal: 0.0,
-    shared: SHARED,
-    copying: SHARED,
-    per_byte: 0.0,
-    cores: usize::MAX,
-};
-
-const SHARED: SharedCore = SharedCore {
-    send: 0.0,
-    latency: 0.0,
-    interrupt: 0.0,
-    switch: 0.0,
-    reply: 0.0,
-    back: 0.0,
-    wait: 0.0,
-    late: 0.0,
-    delay: 0.0,
-};
+const FREE: Costs = NOTHING;
+const SHARED: SharedCore = NOTHING.shared;
 
 /// Every pixel costs one, in tiles of 4x4.
 fn frame(schedule: Schedule, workers: usize, side: u32, costs: &Costs) -> FrameStats {

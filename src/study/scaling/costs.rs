@@ -406,6 +406,14 @@ mod tests {
     }
 
     #[test]
+    fn the_quieter_half_are_those_that_took_least() {
+        let mut frames =
+            [5.0, 1.0, 4.0, 2.0, 3.0].map(|seconds| FrameStats { seconds, ..FrameStats::default() });
+        let quieter: Vec<f64> = quieter_half(&mut frames).iter().map(|stats| stats.seconds).collect();
+        assert_eq!(quieter, [1.0, 2.0, 3.0]);
+    }
+
+    #[test]
     fn on_a_slower_core_everything_takes_longer() {
         let costs = Costs {
             prepare: 1.0,

@@ -309,6 +309,7 @@ mod tests {
         let frames = [1.0, 9.0, 3.0].map(|end| stream(&[(tile, end)]));
         let costs = TileCosts::new(&[tile], &frames);
         assert_eq!(costs.of(tile), 3.0);
+        assert_eq!(costs.slowness_of_all(&frames), (1.0 + 9.0 + 3.0) / 9.0);
         assert!((costs.of(Tile { width: 16, ..tile }) - 1.5).abs() < 1e-12);
         assert_eq!(costs.of(Tile { x: 32, ..tile }), 0.0, "of what is not in the image");
     }

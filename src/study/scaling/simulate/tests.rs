@@ -356,6 +356,11 @@ fn by_hand_only_the_last_one_who_finishes_a_stolen_frame_wakes_the_master() {
     // Done at 20 and at 30; both reports are handled then.
     assert_eq!(time(2, &[10.0, 10.0, 10.0, 20.0]), 30.0 + (4.0 + 3.0) + 2.0 * 5.0);
     assert_eq!(time(1, &[10.0; 4]), 40.0 + (4.0 + 3.0) + 5.0);
+    // Whoever is done first goes on with the next frame at once.
+    let flow = Flow { frames: 2, in_flight: 2 };
+    let stats = given(Strategy::Stealing, 2, flow, &[10.0, 10.0, 10.0, 20.0], &costs);
+    let next = stats.spans.iter().find(|span| span.worker == 0 && span.frame == 1).unwrap();
+    assert_eq!(next.start, 20.0);
 }
 
 #[test]

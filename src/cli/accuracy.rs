@@ -85,6 +85,8 @@ fn effort(args: &AccuracyArgs) -> Effort {
         aimed: [rays, rays.div_ceil(3)],
         patience: Patience { least, most: effort.patience.most.max(least), ..effort.patience },
         dearest: effort.dearest,
+        // Who asks for a size gets it.
+        seconds: if args.side.is_some() { f64::INFINITY } else { effort.seconds },
     }
 }
 

@@ -1,7 +1,7 @@
 //! The page of `irt accuracy`: one HTML file with everything in it.
 
 use super::{
-    Curve, Curves, Table,
+    Curve, Curves, Mark, Table,
     accuracy::{geometry_table, mode_table, omitted_table},
     html::{escaped, picture},
 };
@@ -104,17 +104,17 @@ fn curves(scene: &SceneAccuracy, measure: &str, error: impl Fn(&Row) -> f64, noi
         if !points.is_empty() {
             points.extend(default.map(|row| point(row, String::new())));
             // Two numbers make no line.
-            let joined = knob != Knob::Adaptive;
-            curves.push(Curve { name: knob.name().into(), points, joined });
+            let mark = if knob == Knob::Adaptive { Mark::Dots } else { Mark::Line };
+            curves.push(Curve { name: knob.name().into(), points, mark });
         }
     }
     curves.extend(default.map(|row| Curve {
         name: "default".into(),
         points: vec![point(row, "default".into())],
-        joined: false,
+        mark: Mark::Dots,
     }));
     let front = scene.rows.iter().filter(|row| row.front).map(|row| point(row, String::new())).collect();
-    curves.push(Curve { name: "Pareto front of RMSE".into(), points: front, joined: false });
+    curves.push(Curve { name: "Pareto front of RMSE".into(), points: front, mark: Mark::Rings });
     Curves {
         title: format!("{}: {measure} against wall time", scene.scene),
         x: "milliseconds of a frame".into(),

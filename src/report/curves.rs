@@ -14,8 +14,19 @@ pub struct Curve {
     pub name: String,
     /// x and y, and what stands beside the point. What is not greater than zero is drawn at the edge.
     pub points: Vec<(f64, f64, String)>,
-    /// Joined by a line in the order of x.
-    pub joined: bool,
+    /// How they are drawn.
+    pub mark: Mark,
+}
+
+/// How a curve's points are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// Dots joined by a line in the order of x.
+    Line,
+    /// Dots.
+    Dots,
+    /// Black rings, around the dots of other curves.
+    Rings,
 }
 
 /// A plot of curves.
@@ -67,18 +78,22 @@ impl Curves {
             let style = ("sans-serif", 12).into_font().color(&BLACK.mix(0.6));
             chart.draw_series([Text::new(name.clone(), (x.0 + 0.01 * (x.1 - x.0), at), style)])?;
         }
-        for (curve, color) in self.curves.iter().zip(COLORS.iter().cycle()) {
+        // Black is the rings' own.
+        let mut colors = COLORS.iter().filter(|&&color| color != BLACK).cycle();
+        for curve in &self.curves {
+            let color = if curve.mark == Mark::Rings { &BLACK } else { colors.next().unwrap_or(&BLACK) };
+            let (radius, fill) = curve.mark.dot(*color);
             let mut places: Vec<(f64, f64)> =
                 curve.points.iter().map(|(px, py, _)| (logarithm(*px, x.0), logarithm(*py, y.0))).collect();
             let dots = places.iter().zip(&curve.points).map(|(&place, (_, _, name))| {
                 let style = ("sans-serif", 12).into_font().color(color);
                 EmptyElement::at(place)
-                    + Circle::new((0, 0), 4, color.filled())
+                    + Circle::new((0, 0), radius, fill)
                     + Text::new(name.clone(), (6, -12), style)
             });
             let dots = chart.draw_series(dots)?;
-            dots.label(&curve.name).legend(|(x, y)| Circle::new((x + 8, y), 4, color.filled()));
-            if curve.joined {
+            dots.label(&curve.name).legend(move |(x, y)| Circle::new((x + 8, y), radius, fill));
+            if curve.mark == Mark::Line {
                 places.sort_by(|a, b| a.0.total_cmp(&b.0));
                 chart.draw_series(LineSeries::new(places, color.stroke_width(2)))?;
             }
@@ -107,6 +122,16 @@ impl Curves {
     }
 }
 
+impl Mark {
+    /// Radius in pixels and style of a point.
+    fn dot(self, color: RGBColor) -> (i32, ShapeStyle) {
+        match self {
+            Mark::Line | Mark::Dots => (4, color.filled()),
+            Mark::Rings => (7, color.stroke_width(1)),
+        }
+    }
+}
+
 /// The logarithm, or `edge` if there is none.
 fn logarithm(value: f64, edge: f64) -> f64 {
     if value > 0.0 && value.is_finite() { value.log10().max(edge) } else { edge }
@@ -125,19 +150,23 @@ mod tests {
     #[test]
     fn curves_have_their_points_and_names_even_where_there_is_no_logarithm() {
         let points = vec![(1.0, 0.1, "one".into()), (10.0, 0.0, "none".into()), (100.0, 1e-3, "far".into())];
-        let curve = Curve { name: "curve".into(), points, joined: true };
+        let rings = Curve { name: "rings".into(), points: points[..1].to_vec(), mark: Mark::Rings };
+        let curve = Curve { name: "curve".into(), points, mark: Mark::Line };
         let plot = Curves {
             title: "Error".into(),
             x: "ms".into(),
             y: "RMSE".into(),
-            curves: vec![curve],
+            curves: vec![curve, rings],
             level: Some((1e-4, "noise".into())),
         };
         let svg = plot.to_svg().unwrap();
         for word in ["Error", "ms", "RMSE", "curve", "one", "none", "far", "noise"] {
             assert!(svg.contains(word), "{word} in {svg}");
         }
-        assert_eq!(svg.matches("<circle").count(), 4);
+        // Three and one; two in the legend.
+        assert_eq!(svg.matches("<circle").count(), 6);
+        let hollow = r##"r="7" opacity="1" fill="none" stroke="#000000""##;
+        assert_eq!(svg.matches(hollow).count(), 2, "{svg}");
         assert_eq!([logarithm(100.0, -3.0), logarithm(0.0, -3.0), logarithm(1e-9, -3.0)], [2.0, -3.0, -3.0]);
         let nothing = Curves { curves: vec![], level: None, ..plot };
         assert!(nothing.to_svg().unwrap().contains("Error"));

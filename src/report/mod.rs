@@ -31,7 +31,7 @@ pub use animation::{AnimationSummary, MomentSummary};
 pub use bench::{BenchRow, bench_summary, bench_table};
 pub use builds::builds_table;
 pub use coherence::coherence_report;
-pub use curves::{Curve, Curves};
+pub use curves::{Curve, Curves, Mark};
 pub use html::{escaped, picture};
 pub use json::{from_json, to_json};
 pub use micro::micro_table;

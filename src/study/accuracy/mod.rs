@@ -12,6 +12,7 @@
 
 mod aim;
 mod choose;
+mod forecast;
 mod front;
 mod geometry;
 mod heat;
@@ -61,6 +62,8 @@ pub struct Effort {
     pub aimed: [u64; 2],
     /// Modes that are expected to take more seconds than this in all are left out.
     pub dearest: f64,
+    /// A study that is expected to take more seconds than this has smaller images, and fewer modes if need be.
+    pub seconds: f64,
 }
 
 impl Effort {
@@ -72,6 +75,7 @@ impl Effort {
         patience: Patience { least: 3, most: 41, seconds: 4.0 },
         aimed: [2_000_000, 600_000],
         dearest: 60.0,
+        seconds: 480.0,
     };
     /// Less than a minute.
     pub const QUICK: Effort = Effort {
@@ -79,8 +83,9 @@ impl Effort {
         reference_side: 192,
         converged: 256,
         patience: Patience { least: 2, most: 21, seconds: 0.4 },
-        aimed: [200_000, 60_000],
+        aimed: [100_000, 30_000],
         dearest: 5.0,
+        seconds: 45.0,
     };
 
     /// The size of a scene's images: its shape, and no side longer than `side`.

@@ -4,6 +4,7 @@ use super::{
     Battery, Effort, Mode, Omission, Row, SceneAccuracy, Step,
     compare::Picture,
     converged_scene, fit,
+    forecast::Forecast,
     front::front,
     geometry::View,
     modes::{Knob, modes},
@@ -15,7 +16,7 @@ use crate::{
     render::{RenderOptions, Stage},
     scene::Scene,
 };
-use std::cell::Cell;
+use std::{cell::Cell, fmt::Display, time::Instant};
 
 /// Seeds of the two halves of a converged image: none that people use.
 pub(super) const HALVES: [u64; 2] = [0x5eed_0001, 0x5eed_0002];
@@ -28,60 +29,55 @@ pub(super) struct Study<'a> {
     omissions: Vec<Omission>,
     /// With the tree and the settings of the default.
     stage: Stage<'a>,
-    /// Seconds of a default frame, roughly.
-    frame: f64,
+    forecast: Forecast<'a>,
     done: Cell<f64>,
 }
 
 impl<'a> Study<'a> {
     pub(super) fn new(scene: &'a Scene, effort: &'a Effort, bench: Bench<'a>) -> Result<Study<'a>> {
-        let (modes, omissions) = modes(scene, &bench.options);
+        let (mut modes, mut omissions) = modes(scene, &bench.options);
         let stage = Stage::new(scene, &bench.options)?;
         let tiles = stage.tiles(bench.options.tile);
         let frame = stage.with_session(&bench.placement, |session| {
             session.frame(bench.options.schedule, &tiles, bench.control)?;
             Ok(session.frame(bench.options.schedule, &tiles, bench.control)?.0)
         })?;
-        let mut study = Study { scene, effort, bench, modes, omissions, stage, frame, done: Cell::new(0.0) };
-        study.leave_out_dear_modes();
-        Ok(study)
-    }
-
-    /// So that a study of any scene ends in time.
-    fn leave_out_dear_modes(&mut self) {
-        let affordable = |&mode: &Mode| mode == Mode::Default || self.estimate(mode) <= self.effort.dearest;
-        let (modes, dear): (Vec<Mode>, Vec<Mode>) = self.modes.iter().copied().partition(affordable);
-        let omission = |mode: Mode| Omission {
-            knob: mode.knob().map_or("default", Knob::name),
-            why: format!(
-                "{mode} would take {:.0} seconds; a smaller --side makes all modes quicker",
-                self.estimate(mode)
-            ),
+        let forecast = Forecast {
+            scene,
+            effort,
+            threads: bench.placement.slots().len(),
+            isa: bench.options.isa.unwrap_or_else(Isa::detect),
+            size: bench.options.size,
+            frame,
+            build: stage.bvh().build_time().as_secs_f64(),
         };
-        let omitted: Vec<Omission> = dear.into_iter().map(omission).collect();
-        self.omissions.extend(omitted);
-        self.modes = modes;
+        let forecast = forecast.cut(&mut modes, &mut omissions);
+        let options = RenderOptions { size: forecast.size, ..bench.options };
+        let (stage, bench) = (stage.beside(scene, &options)?, Bench { options, ..bench });
+        Ok(Study { scene, effort, bench, modes, omissions, stage, forecast, done: Cell::new(0.0) })
     }
 
     pub(super) fn run(&self, battery: &mut Battery, tell: &dyn Fn(Step)) -> Result<SceneAccuracy> {
-        let of: f64 = self.modes.iter().map(|&mode| self.estimate(mode)).sum();
-        let of = of + self.converged_estimate() + self.view_estimate();
-        let step = |seconds: f64| {
+        let of = self.forecast.total(&self.modes);
+        let since = Cell::new(Instant::now());
+        let step = |name: &dyn Display, seconds: f64| {
             self.done.set(self.done.get() + seconds);
             tell(Step { done: self.done.get(), of });
+            let taken = since.replace(Instant::now()).elapsed().as_secs_f64();
+            log::debug!("{}: {name}: {taken:.2} s, expected {seconds:.2}", self.scene.name);
         };
-        step(0.0);
+        step(&"start", 0.0);
         let (right, noise) = self.converged()?;
-        step(self.converged_estimate());
+        step(&"converged image", self.forecast.converged());
         let view = self.view();
-        step(self.view_estimate());
+        step(&"f64 reference", self.forecast.reference());
         let mut rows = vec![];
         let mut default: Option<Image> = None;
         for &mode in &self.modes {
             let (row, image) = self.row(mode, &right, &view, default.as_ref(), battery)?;
             rows.push(row);
             default.get_or_insert(image);
-            step(self.estimate(mode));
+            step(&mode, self.forecast.mode(mode));
         }
         let points: Vec<(f64, f64)> =
             rows.iter().map(|row| (row.times.ratio.median, row.error.rmse)).collect();
@@ -146,34 +142,6 @@ impl<'a> Study<'a> {
             Stage::new(scene, options)
         }
     }
-
-    fn converged_estimate(&self) -> f64 {
-        self.frame * f64::from(self.effort.converged) / f64::from(self.scene.settings.samples)
-    }
-
-    fn view_estimate(&self) -> f64 {
-        let size = fit(self.bench.options.size, self.effort.reference_side).map(f64::from);
-        let rays = size[0] * size[1] * (1.0 + self.scene.lights.len() as f64);
-        2.0e-6 * rays / self.bench.placement.slots().len() as f64
-    }
-
-    fn estimate(&self, mode: Mode) -> f64 {
-        let settings = &self.scene.settings;
-        let share = match mode {
-            Mode::Samples(count) => f64::from(count) / f64::from(settings.samples),
-            // About a third of the pixels.
-            Mode::Adaptive(count, _) => 0.3 * f64::from(count) / f64::from(settings.samples),
-            Mode::LightSamples(count) => 0.2 + 0.8 * f64::from(count) / f64::from(settings.light_samples),
-            _ => 1.0,
-        };
-        let patience = self.effort.patience;
-        let round = self.frame * (1.0 + share);
-        let least = patience.least as f64 * round;
-        let most = patience.most as f64 * round;
-        let aims = matches!(mode, Mode::Default | Mode::Visibility(_) | Mode::Kernel(_) | Mode::Isa(_));
-        let aimed = if aims { self.effort.aimed[0] as f64 * 4.0e-6 } else { 0.0 };
-        least.max(patience.seconds.min(most)) + round + aimed + 0.1
-    }
 }
 
 /// What is wrong with an image, beside the right one and that of the default.
@@ -227,6 +195,7 @@ mod tests {
         patience: Patience { least: 1, most: 1, seconds: 0.0 },
         aimed: [1000, 300],
         dearest: 3600.0,
+        seconds: 36000.0,
     };
 
     fn with_study<R>(name: &str, body: impl FnOnce(&Study) -> R) -> R {
@@ -260,32 +229,6 @@ mod tests {
             assert!((row.change.rmse - 0.25 * share.sqrt()).abs() < 1e-6, "{:?}", row.change);
             assert!((row.change.max - 0.25).abs() < 1e-6 && row.same == Some(false) && row.nan == 3);
             assert!((0..row.map.len()).all(|i| (row.map[i] > 0.2) == (i % 5 == 0)), "the map shows where");
-        });
-    }
-
-    #[test]
-    fn modes_that_take_too_long_are_left_out_and_told() {
-        with_study("atrium@0.1", |study| {
-            let dear = Mode::Samples(64);
-            let limit = study.estimate(dear) * 0.99;
-            let effort = Effort { dearest: limit, ..EFFORT };
-            let placement = study.bench.placement.clone();
-            let bench = Bench { placement, options: study.bench.options, control: study.bench.control };
-            let mut shorter = Study::new(study.scene, &EFFORT, bench).unwrap();
-            (shorter.effort, shorter.frame) = (&effort, study.frame);
-            shorter.leave_out_dear_modes();
-            assert!(study.modes.contains(&dear) && !shorter.modes.contains(&dear));
-            assert!(shorter.modes.iter().all(|&mode| shorter.estimate(mode) <= limit));
-            let told = shorter
-                .omissions
-                .iter()
-                .filter(|omission| omission.why.starts_with("samples 64 would"))
-                .count();
-            assert_eq!((told, shorter.modes[0]), (1, Mode::Default));
-            assert_eq!(
-                study.modes.len() - shorter.modes.len(),
-                shorter.omissions.len() - study.omissions.len()
-            );
         });
     }
 

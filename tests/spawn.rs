@@ -6,13 +6,13 @@ use glam::{DVec3, Vec3};
 use irt::{
     bvh::{BuildPreset, Bvh},
     camera::Camera,
-    kernels::{F32, Kernel, Kernels, MISS, Ray, SUB, Simd, TileHits, TilePacket, TileScratch},
+    kernels::{F32, Kernel, Kernels, MISS, Ray, SUB, Simd, TileHits, TilePacket},
     scene::{CameraDescription, Falloff, Light, Material, Scene, TriangleMesh},
     shade::{
         LightRays, SurfaceTable, Surfaces, light_rays,
         spawn::{Footing, Triple, bulge},
     },
-    trace::{KernelChoice, NO_OCCLUDER, PointShadows, ShadowRays, Traversal},
+    trace::{KernelChoice, NO_OCCLUDER, PacketScratch, PointShadows, ShadowRays, Traversal},
 };
 
 /// Sixteen points of triangles, and the normals of the sides that rays leave to.
@@ -349,7 +349,7 @@ fn lit(
     let table = SurfaceTable::new(&scene);
     let camera = Camera::new(&scene.camera, 64, 64);
     let mut packets: Box<[TilePacket; 6]> = Box::new(std::array::from_fn(|_| TilePacket::new()));
-    let (mut hits, mut scratch) = (TileHits::new(), TileScratch::new());
+    let (mut hits, mut scratch) = (TileHits::new(), PacketScratch::new());
     let mut surfaces = Surfaces::default();
     surfaces.reset(16, [0.0; 3]);
     for index in 0..16 {

@@ -193,6 +193,11 @@ impl TileHits {
     pub fn hit(&self, i: usize) -> Hit {
         Hit { prim: self.prim[i], t: self.t[i], u: self.u[i], v: self.v[i] }
     }
+
+    /// Replaces the hit of ray `i`.
+    pub fn set(&mut self, i: usize, hit: Hit) {
+        (self.prim[i], self.t[i], self.u[i], self.v[i]) = (hit.prim, hit.t, hit.u, hit.v);
+    }
 }
 
 impl Default for TileHits {

@@ -272,7 +272,7 @@ pub(super) struct EngineArgs {
     /// How hits are decided: exact, or fast as other ray tracers do, which leaks at edges and vertices
     #[arg(long, default_value = Visibility::default().name(), value_parser = one_of::<Visibility>())]
     pub(super) visibility: Visibility,
-    /// Kernel for rays with a common origin
+    /// Rays with a common origin: 256 at once (tile), one by one (single), or each packet as it is worth (auto)
     #[arg(long, default_value = KernelChoice::default().name(), value_parser = one_of::<KernelChoice>())]
     pub(super) kernel: KernelChoice,
     /// Order of the tiles

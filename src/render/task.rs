@@ -12,7 +12,7 @@ use crate::{
     bvh::Bvh,
     camera::{Camera, PACKET_SIDE, pixel_of},
     film::Film,
-    kernels::{Kernels, NodeRef, RayBlock, SEEDS, TILE_RAYS, TileEarly, TileHits, TilePacket, TileScratch},
+    kernels::{Kernels, NodeRef, RayBlock, SEEDS, TILE_RAYS, TileEarly, TileHits, TilePacket},
     scene::{Light, Scene},
     schedule::{FilmMode, TileTask},
     shade::{
@@ -20,7 +20,7 @@ use crate::{
         light_rays,
     },
     tile::Tile,
-    trace::{EarlyTermination, NO_OCCLUDER, PointShadows, RayStream, Traversal},
+    trace::{EarlyTermination, KernelChoice, NO_OCCLUDER, PacketScratch, PointShadows, RayStream, Traversal},
 };
 use std::time::Duration;
 
@@ -86,7 +86,7 @@ impl TileReport {
 pub(super) struct Scratch {
     pub(super) packets: Box<[TilePacket; 6]>,
     hits: Box<TileHits>,
-    tile_scratch: TileScratch,
+    tile_scratch: PacketScratch,
     /// What the packet before has hit.
     hit_last: [NodeRef; SEEDS],
     pub(super) surfaces: Surfaces,
@@ -118,6 +118,9 @@ impl<'a> RenderTask<'a> {
         options: &RenderOptions,
     ) -> RenderTask<'a> {
         let RenderOptions { kernel, early, size, .. } = *options;
+        // What is switched is the tile kernel.
+        let switched = kernel == KernelChoice::Auto && early != EarlyTermination::default();
+        let kernel = if switched { KernelChoice::Tile } else { kernel };
         let hit_seeds = HitSeeds::new(early, size);
         let traversal = Traversal::new(bvh, kernels, kernel);
         let follow =
@@ -137,7 +140,7 @@ impl TileTask for RenderTask<'_> {
         Scratch {
             packets: Box::new(std::array::from_fn(|_| TilePacket::new())),
             hits: Box::new(TileHits::new()),
-            tile_scratch: TileScratch::new(),
+            tile_scratch: PacketScratch::new(),
             hit_last: NONE,
             surfaces: Surfaces::default(),
             light_rays: LightRays::default(),
@@ -249,6 +252,7 @@ impl RenderTask<'_> {
     ) {
         let Scratch { packets, hits, tile_scratch, hit_last, surfaces, path, .. } = scratch;
         let EarlyTermination { pet_bound: bound, pet_seed, area, .. } = self.early;
+        tile_scratch.begin();
         tile_scratch.set_early(TileEarly { bound, ..TileEarly::ALL });
         surfaces.reset(places.clone().count(), self.scene.background.to_array());
         for (index, at) in places.enumerate() {

@@ -8,10 +8,9 @@
 //! A ray joins a packet only if the packet traces exactly that ray, so that the way it is traced never shows in the
 //! result.
 
-use super::{RayStream, Traversal};
+use super::{PacketScratch, RayStream, Traversal};
 use crate::kernels::{
     Face, Hit, HitBlock, MISS, NodeRef, Ray, RayBlock, SUB, SUBS, TILE_RAYS, TileHits, TilePacket,
-    TileScratch,
 };
 use std::sync::{
     Mutex, PoisonError,
@@ -90,7 +89,7 @@ impl Traversal<'_> {
 /// What each thread keeps from chunk to chunk.
 #[derive(Default)]
 struct Buffers {
-    scratch: TileScratch,
+    scratch: PacketScratch,
     stream: RayStream,
     /// Rays for the stream, and what becomes of them.
     blocks: Vec<RayBlock>,

@@ -2,18 +2,19 @@
 
 mod batch;
 mod early;
+mod packet;
 mod shadow;
 mod stream;
 
 pub use early::EarlyTermination;
+pub use packet::PacketScratch;
 pub use shadow::{NO_OCCLUDER, PointShadows, ShadowRays, Traced};
 pub use stream::{RayStream, rays_in};
 
 use crate::{
     bvh::Bvh,
     kernels::{
-        BvhView, Flight, Hit, HitBlock, Kernel, Kernels, NodeRef, Pick, Ray, RayBlock, SUB, SUBS, Simd,
-        TILE_RAYS, TileHits, TilePacket, TileScratch,
+        BvhView, Flight, Hit, HitBlock, Kernel, Kernels, NodeRef, Pick, Ray, RayBlock, Simd, TilePacket,
     },
 };
 use std::{fmt, str::FromStr};
@@ -21,20 +22,23 @@ use std::{fmt, str::FromStr};
 /// Which kernel traces rays that share their origin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum KernelChoice {
-    /// The common-origin tile kernel: 256 rays at once.
+    /// The tile kernel for packets whose rays have enough in common, flights of single rays for others.
     #[default]
+    Auto,
+    /// The common-origin tile kernel: 256 rays at once.
     Tile,
-    /// One ray at a time; gives the same image, slower.
+    /// Flights of single rays; the same image.
     Single,
 }
 
 impl KernelChoice {
     /// All choices.
-    pub const ALL: [KernelChoice; 2] = [KernelChoice::Tile, KernelChoice::Single];
+    pub const ALL: [KernelChoice; 3] = [KernelChoice::Auto, KernelChoice::Tile, KernelChoice::Single];
 
     /// Name as on the command line.
     pub fn name(self) -> &'static str {
         match self {
+            KernelChoice::Auto => "auto",
             KernelChoice::Tile => "tile",
             KernelChoice::Single => "single",
         }
@@ -54,7 +58,7 @@ impl FromStr for KernelChoice {
         KernelChoice::ALL
             .into_iter()
             .find(|choice| choice.name() == text)
-            .ok_or_else(|| format!("unknown kernel '{text}'; use tile or single"))
+            .ok_or_else(|| format!("unknown kernel '{text}'; use auto, tile or single"))
     }
 }
 
@@ -85,45 +89,6 @@ impl<'a> Traversal<'a> {
     /// Asks for a packet's rays ahead of tracing them; worth it where packets wait in a long array.
     pub fn fetch(&self, packet: &TilePacket) {
         self.kernels.run(Fetch(packet));
-    }
-
-    /// First hits of the active rays of a packet; hits of other rays are left as they are. Like all functions for many
-    /// rays, it returns how many pairs of a ray and a triangle exact arithmetic had to decide.
-    pub fn intersect(&self, packet: &TilePacket, scratch: &mut TileScratch, hits: &mut TileHits) -> u64 {
-        match self.choice {
-            KernelChoice::Tile => self.kernels.tile_intersect(&self.view, packet, scratch, hits),
-            KernelChoice::Single => {
-                let mut doubts = 0;
-                for ray in active_rays(packet) {
-                    let hit = self.kernels.intersect_counted(&self.view, &packet.ray(ray), &mut doubts);
-                    (hits.prim[ray], hits.t[ray], hits.u[ray], hits.v[ray]) = (hit.prim, hit.t, hit.u, hit.v);
-                }
-                doubts
-            }
-        }
-    }
-
-    /// Which active rays of a packet are blocked within `tfar`, as bits like [`TilePacket::active`]. `seed` as in
-    /// [`Kernels::tile_occluded`].
-    pub fn occluded(
-        &self,
-        packet: &TilePacket,
-        scratch: &mut TileScratch,
-        seed: &mut NodeRef,
-        blocked: &mut [u16; SUBS],
-    ) -> u64 {
-        match self.choice {
-            KernelChoice::Tile => self.kernels.tile_occluded(&self.view, packet, scratch, seed, blocked),
-            KernelChoice::Single => {
-                *blocked = [0; SUBS];
-                let mut doubts = 0;
-                for ray in active_rays(packet) {
-                    let hit = self.kernels.occluded_counted(&self.view, &packet.ray(ray), &mut doubts);
-                    blocked[ray / SUB] |= u16::from(hit) << (ray % SUB);
-                }
-                doubts
-            }
-        }
     }
 
     /// First hit of a single ray.
@@ -195,8 +160,4 @@ impl Kernel for Fetch<'_> {
             s.prefetch(&self.0.skip);
         }
     }
-}
-
-fn active_rays(packet: &TilePacket) -> impl Iterator<Item = usize> {
-    (0..TILE_RAYS).filter(|ray| packet.active[ray / SUB] >> (ray % SUB) & 1 != 0)
 }

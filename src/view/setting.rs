@@ -68,7 +68,7 @@ pub const NAMES: [(&str, &str); 19] = [
     ("pin", "on or off"),
     ("isa", "auto, scalar, sse4.2, avx2 or avx512, as far as this machine has it"),
     ("visibility", "exact or fast"),
-    ("kernel", "tile or single"),
+    ("kernel", "auto, tile or single"),
     ("early-termination", "none, or some of pet-bound,pet-seed,set,occ,area"),
     ("tile", "pixels along the side of a tile, 1 to 1024"),
     ("exposure", "stops from -50 to 50"),

@@ -108,6 +108,7 @@ fn every_mode_renders_the_same_image_but_fast_visibility_may_not() {
         "isa auto",
         "kernel single",
         "kernel tile",
+        "kernel auto",
         "early-termination none",
         "tile 16",
         "tile 100",

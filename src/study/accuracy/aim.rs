@@ -39,12 +39,14 @@ impl<'a> Battery<'a> {
             return Ok(None);
         }
         let RenderOptions { isa, visibility, kernel, .. } = mode.options(options);
+        // Packets by both are those of the tile kernel.
+        let kernel = if kernel == KernelChoice::Auto { KernelChoice::Tile } else { kernel };
         let way = (isa, visibility, kernel);
         if let Some((_, known)) = self.found.iter().find(|(known, _)| *known == way) {
             return Ok(Some(*known));
         }
         let ways: &[Kernel] = match kernel {
-            KernelChoice::Tile => &[Kernel::Tile, Kernel::Stream, Kernel::ShadowStream],
+            KernelChoice::Auto | KernelChoice::Tile => &[Kernel::Tile, Kernel::Stream, Kernel::ShadowStream],
             KernelChoice::Single => &[Kernel::Single],
         };
         let kernels = choose_kernels(isa)?.with_visibility(visibility);

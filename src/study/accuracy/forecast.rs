@@ -72,7 +72,8 @@ impl Forecast<'_> {
     fn aimed(&self, mode: Mode) -> f64 {
         let ray = match mode {
             Mode::Kernel(KernelChoice::Single) => AIMED[1],
-            Mode::Default | Mode::Visibility(_) | Mode::Kernel(KernelChoice::Tile) | Mode::Isa(_) => AIMED[0],
+            Mode::Default | Mode::Visibility(_) | Mode::Isa(_) => AIMED[0],
+            // Not again, or none at all.
             _ => return 0.0,
         };
         self.effort.aimed[0] as f64 * ray / self.threads as f64

@@ -15,12 +15,12 @@ use crate::{
     camera::{Camera, PACKET_SIDE, pixel_of},
     effects::{Effect, EffectChoice, EffectSet},
     error::Result,
-    kernels::{Hit, Kernels, MISS, Ray, SUB, TILE_RAYS, TileHits, TilePacket, TileScratch},
+    kernels::{Hit, Kernels, MISS, Ray, SUB, TILE_RAYS, TileHits, TilePacket},
     render::{RenderOptions, Stage},
     scene::{Material, Scene},
     schedule::{Control, Placement},
     study::stability::share,
-    trace::{KernelChoice, Traversal},
+    trace::{KernelChoice, PacketScratch, Traversal},
 };
 use glam::{DVec3, Vec3};
 
@@ -179,7 +179,7 @@ pub(super) fn first_hits(
     let nothing = Ray { org: [0.0; 3], dir: [0.0; 3], tnear: 0.0, tfar: 0.0, skip: MISS };
     let (mut rays, mut hits) = (vec![nothing; pixels], vec![Hit::MISS; pixels]);
     let mut packets = Box::new(std::array::from_fn(|_| TilePacket::new()));
-    let (mut found, mut scratch) = (TileHits::new(), TileScratch::new());
+    let (mut found, mut scratch) = (TileHits::new(), PacketScratch::new());
     for (top, left) in (0..height)
         .step_by(PACKET_SIDE as usize)
         .flat_map(|y| (0..width).step_by(PACKET_SIDE as usize).map(move |x| (y, x)))

@@ -5,10 +5,10 @@ use crate::{
     bvh::Bvh,
     kernels::{
         Flight, HitBlock, Kernels, MISS, NodeRef, Pick, RayBlock, SUB, SUBS, TILE_RAYS, TileHits, TilePacket,
-        TileScratch, Visibility,
+        Visibility,
     },
     study::bench::rays::{Kind, Stream},
-    trace::{KernelChoice, NO_OCCLUDER, PointShadows, RayStream, Traversal},
+    trace::{KernelChoice, NO_OCCLUDER, PacketScratch, PointShadows, RayStream, Traversal},
 };
 
 /// Blocks in a unit of general rays.
@@ -76,7 +76,7 @@ impl Mode for Tiles<'_> {
 
     fn worker(&self) -> Box<dyn FnMut(usize) -> u64 + '_> {
         let mut results = vec![TileHits::new(); PACKETS];
-        let mut scratch = TileScratch::new();
+        let mut scratch = PacketScratch::new();
         Box::new(move |unit| {
             let packets = self.0.set.packets().chunks(PACKETS).nth(unit).unwrap_or_default();
             let mut hits = 0;

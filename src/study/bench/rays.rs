@@ -6,11 +6,11 @@
 use crate::{
     bvh::Bvh,
     camera::Camera,
-    kernels::{Face, Kernels, MISS, Ray, RayBlock, SUB, TILE_RAYS, TileHits, TilePacket, TileScratch},
+    kernels::{Face, Kernels, MISS, Ray, RayBlock, SUB, TILE_RAYS, TileHits, TilePacket},
     math::hash_unit,
     scene::{Light, Scene},
     tile::{Order, tiles},
-    trace::{KernelChoice, ShadowRays, Traversal},
+    trace::{KernelChoice, PacketScratch, ShadowRays, Traversal},
 };
 use glam::Vec3;
 use std::{fmt, str::FromStr};
@@ -102,7 +102,7 @@ impl Seen {
         let mut seen = Seen::default();
         let mut six = Box::new(std::array::from_fn(|_| TilePacket::new()));
         let mut hits = TileHits::new();
-        let mut scratch = TileScratch::new();
+        let mut scratch = PacketScratch::new();
         for tile in tiles(width, height, STREAM, Order::Hilbert) {
             for y in (0..tile.height).step_by(16) {
                 for x in (0..tile.width).step_by(16) {

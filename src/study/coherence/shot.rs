@@ -5,11 +5,11 @@ use crate::{
     bvh::Bvh,
     camera::{Camera, PACKET_SIDE, pixel_of},
     film::Film,
-    kernels::{BvhView, Face, Hit, Kernels, MISS, Ray, SUB, TILE_RAYS, TileHits, TilePacket, TileScratch},
+    kernels::{BvhView, Face, Hit, Kernels, MISS, Ray, SUB, TILE_RAYS, TileHits, TilePacket},
     scene::{CameraDescription, Light, Scene},
     shade::{LightRays, SurfaceTable, Surfaces, add_light, light_rays},
     tile::Tile,
-    trace::{KernelChoice, Traversal},
+    trace::{KernelChoice, PacketScratch, Traversal},
 };
 use glam::Vec3;
 
@@ -73,7 +73,7 @@ impl<'a> Shot<'a> {
         let packets = width.div_ceil(PACKET_SIDE) * height.div_ceil(PACKET_SIDE);
         surfaces.reset(packets as usize, scene.background.to_array());
         let mut six = Box::new(std::array::from_fn(|_| TilePacket::new()));
-        let (mut found, mut scratch) = (TileHits::new(), TileScratch::new());
+        let (mut found, mut scratch) = (TileHits::new(), PacketScratch::new());
         for index in 0..packets {
             let columns = width.div_ceil(PACKET_SIDE);
             let at = [index % columns * PACKET_SIDE, index / columns * PACKET_SIDE];

@@ -184,12 +184,27 @@ impl Study<'_> {
         let (workers, seconds, alone) = (measured.workers, measured.seconds(), one.seconds());
         let against = |one: f64, many: f64| one / (workers as f64 * many);
         let ratios: Vec<f64> = alone.iter().zip(&seconds).map(|(&one, &many)| against(one, many)).collect();
-        let predict = |(seen, one): (&Vec<f64>, &[FrameStats])| {
-            let slowness = self.apart_from_master(measured.schedule, one, seen, tiles);
-            self.predict(measured.schedule, one, &slowness, tiles)
+        let predict = |slowness: &Vec<f64>, seen: &Costs| {
+            let slowness = self.apart_from_master(measured.schedule, seen, slowness, tiles);
+            self.predict(measured.schedule, seen, &slowness, tiles).0
         };
-        let predictions: Vec<f64> =
-            measured.slowness(one).iter().zip(one.rounds()).map(|round| predict(round).0).collect();
+        let each: Vec<Costs> =
+            one.rounds().map(|streams| self.seen(measured.schedule, streams, tiles)).collect();
+        let slow = measured.slowness(one);
+        let predictions: Vec<f64> = slow.iter().zip(&each).map(|(slow, seen)| predict(slow, seen)).collect();
+        let typical = Costs::median(&each);
+        let pooled: Vec<f64> = slow.iter().map(|slow| predict(slow, &typical)).collect();
+        // Half way: reports as in the round, the rest as usual.
+        log::debug!(
+            "XX {} {} {} {} {:.4} {:.4} {:.4} | {ratios:.4?} | {predictions:.4?} | {pooled:.4?}",
+            self.scene.name,
+            measured.schedule.strategy,
+            measured.schedule.film,
+            workers,
+            median(&ratios),
+            median(&predictions),
+            median(&pooled)
+        );
         // One worker against itself, which no rounding should tell from 1.
         let itself = |value: f64| if workers == 1 { 1.0 } else { value };
         ScalingRow {
@@ -209,13 +224,13 @@ impl Study<'_> {
     fn apart_from_master(
         &self,
         schedule: Schedule,
-        one: &[FrameStats],
+        costs: &Costs,
         seen: &[f64],
         tiles: &TileCosts,
     ) -> Vec<f64> {
         let mut slowness = vec![1.0; seen.len()];
         for _ in 0..TRIALS {
-            let (_, stream) = self.predict(schedule, one, &slowness, tiles);
+            let (_, stream) = self.predict(schedule, costs, &slowness, tiles);
             for ((own, seen), simulated) in slowness.iter_mut().zip(seen).zip(tiles.slowness(&stream)) {
                 *own = (*own * seen / simulated).max(LEAST_INFLATION);
             }
@@ -231,7 +246,8 @@ impl Study<'_> {
         tiles: &TileCosts,
     ) -> ScalingRow {
         let inflation = self.options.inflation;
-        let (efficiency, frame) = self.predict(schedule, one, &vec![inflation; workers], tiles);
+        let seen = self.seen(schedule, one, tiles);
+        let (efficiency, frame) = self.predict(schedule, &seen, &vec![inflation; workers], tiles);
         ScalingRow {
             simulated: true,
             seconds: vec![frame.per_frame()],
@@ -243,17 +259,20 @@ impl Study<'_> {
         }
     }
 
-    /// Efficiency and stream as the simulator has them, of workers of such slowness; messages cost what streams of `one`
-    /// worker show.
+    /// What messages cost as these streams of one worker show it.
+    fn seen(&self, schedule: Schedule, one: &[FrameStats], tiles: &TileCosts) -> Costs {
+        self.costs.seen_in(one, schedule, tiles.slowness_of_all(one))
+    }
+
+    /// Efficiency and stream as the simulator has them, of workers of such slowness.
     fn predict(
         &self,
         schedule: Schedule,
-        one: &[FrameStats],
+        &seen: &Costs,
         slowness: &[f64],
         tiles: &TileCosts,
     ) -> (f64, FrameStats) {
         let workers = slowness.len();
-        let seen = self.costs.seen_in(one, schedule, tiles.slowness_of_all(one));
         let (alone, costs) = match self.options.network {
             // What slows tiles down slows down everything else on the same cores.
             _ if workers <= self.cores => (seen, seen.slower(slowness.iter().sum::<f64>() / workers as f64)),

@@ -3,9 +3,8 @@
 use crate::{
     kernels::{
         Face, Flight, Hit, HitBlock, MISS, Pick, Ray, RayBlock, SUB, SUBS, TILE_RAYS, TileHits, TilePacket,
-        TileScratch,
     },
-    trace::{NO_OCCLUDER, PointShadows, RayStream, ShadowRays, Traversal},
+    trace::{NO_OCCLUDER, PacketScratch, PointShadows, RayStream, ShadowRays, Traversal},
 };
 use std::{fmt, str::FromStr};
 
@@ -171,7 +170,7 @@ pub struct Answers {
 /// Buffers of a thread that traces.
 #[derive(Debug, Default)]
 pub struct Tracer {
-    scratch: TileScratch,
+    scratch: PacketScratch,
     flight: Flight,
     stream: RayStream,
     shadows: PointShadows,

@@ -17,8 +17,8 @@ mod blocks;
 mod morton;
 mod packets;
 
-use super::{EarlyTermination, Traversal};
-use crate::kernels::{EMPTY_NODE, Face, NodeRef, SUB, SUBS, TileEarly, TilePacket, TileScratch};
+use super::{EarlyTermination, PacketScratch, Traversal};
+use crate::kernels::{EMPTY_NODE, Face, NodeRef, SUB, SUBS, TileEarly, TilePacket};
 use areas::Areas;
 use blocks::{Block, survey};
 use morton::{Grid, key};
@@ -71,7 +71,7 @@ pub struct PointShadows {
     /// Sort key and index of each loose ray.
     loose: Vec<u64>,
     packet: TilePacket,
-    scratch: TileScratch,
+    scratch: PacketScratch,
     early: EarlyTermination,
     /// For OCC by areas.
     areas: Option<Areas>,
@@ -97,6 +97,7 @@ impl PointShadows {
     ) -> Traced {
         self.regroup(traversal, rays);
         self.packet.org = origin;
+        self.scratch.begin();
         let mut traced = Traced::default();
         let mut first = 0;
         while let Some(&group) = self.order.get(first) {

@@ -107,7 +107,7 @@ fn cycled(mode: Mode, scene: &Scene) -> Option<(&'static str, usize)> {
         Mode::Threads => ("threads", 1 + crate::schedule::Machine::get().default_workers()),
         Mode::Isa => ("isa", 1 + Isa::available().count()),
         Mode::Visibility => ("visibility", 2),
-        Mode::Kernel => ("kernel", 2),
+        Mode::Kernel => ("kernel", 3),
         Mode::Early => ("early-termination", 6),
         Mode::Tile => ("tile", 5),
         Mode::Pin => ("pin", 2),

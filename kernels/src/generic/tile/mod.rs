@@ -81,9 +81,14 @@ struct State {
     /// Pairs of a ray and a triangle that were decided exactly.
     doubts: u64,
     early: TileEarly,
+    /// Work done for the packet, see [`TileScratch::set_budget`], and beyond what amount it is given up.
+    work: u32,
+    budget: u32,
+    gave_up: bool,
 }
 
-/// First hits of all active rays. Returns how many pairs of a ray and a triangle were decided exactly.
+/// First hits of all active rays, unless the packet is given up. Returns how many pairs of a ray and a triangle were decided
+/// exactly.
 #[inline(always)]
 pub(crate) fn intersect<S: Simd, V: Policy>(
     s: S,
@@ -97,6 +102,9 @@ pub(crate) fn intersect<S: Simd, V: Policy>(
     leaves.begin::<V>(bvh, packet);
     state.epoch = leaves.epoch();
     walk::traverse::<S, V, false>(s, bvh, packet, state, leaves, bvh.root);
+    if state.gave_up {
+        return state.doubts;
+    }
     finish::hits(s, bvh, packet, &state.frame, planes, leaves.epoch(), &state.slot, hits);
     state.doubts
 }
@@ -155,6 +163,9 @@ impl State {
             tile_reach: 0.0,
             frame: Frame { org: [0.0; 3], axes: [1, 2, 0], flip: 0 },
             early: TileEarly::ALL,
+            work: 0,
+            budget: u32::MAX,
+            gave_up: false,
         }
     }
 
@@ -172,6 +183,7 @@ impl State {
         infinity.store(&mut self.reach);
         self.last = NO_SLOT;
         self.doubts = 0;
+        (self.work, self.gave_up) = (0, false);
         self.live = packet.active;
         self.live_subs = 0;
         self.frame = Frame::new(packet.org, packet.face);

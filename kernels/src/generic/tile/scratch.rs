@@ -46,6 +46,22 @@ impl TileScratch {
         self.state.early = early;
     }
 
+    /// How much work a packet may take before the kernel gives it up, in units: about a pair of a triangle and a sub-packet
+    /// each, eight for a node. There is no limit (`u32::MAX`) unless told otherwise.
+    pub fn set_budget(&mut self, budget: u32) {
+        self.state.budget = budget;
+    }
+
+    /// Whether the last packet was given up: its first hits were not stored, and the rays not told as blocked may be.
+    pub fn gave_up(&self) -> bool {
+        self.state.gave_up
+    }
+
+    /// Units of work that the last packet took.
+    pub fn work(&self) -> u32 {
+        self.state.work
+    }
+
     /// Triangles that `packet`, of which the first hits were found just before, has hit: seeds for a packet like it.
     pub fn hit_seeds(&self, packet: &TilePacket) -> [NodeRef; SEEDS] {
         self.state.hit_seeds(packet)

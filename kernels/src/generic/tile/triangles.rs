@@ -138,6 +138,7 @@ pub(super) fn work_off<S: Simd, V: Policy, const ANY: bool>(
         }
         pairs += met.count_ones() as usize;
     }
+    state.work = state.work.saturating_add((state.batch.len + pairs) as u32);
     (state.batch.len, state.batch.paired) = (0, 0);
     leaves.release();
     let (mut touched, mut last) = (0, state.last);

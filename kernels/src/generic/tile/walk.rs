@@ -13,6 +13,9 @@ use crate::{
     visibility::Policy,
 };
 
+/// Work of a step beside that of its triangles.
+const NODE_WORK: u32 = 8;
+
 /// A subtree that some sub-packets still have to visit.
 #[derive(Clone, Copy)]
 struct Entry {
@@ -63,6 +66,11 @@ pub(super) fn traverse<S: Simd, V: Policy, const ANY: bool>(
             }
         }
         if entry.is_none() {
+            return;
+        }
+        state.work = state.work.saturating_add(NODE_WORK);
+        if state.work > state.budget && state.batch.is_empty() {
+            state.gave_up = true;
             return;
         }
     }

@@ -5,11 +5,11 @@ use crate::{
     bvh::{BuildPreset, Bvh},
     camera::{Camera, PACKET_SIDE},
     error::Result,
-    kernels::{Kernels, TILE_RAYS, TileHits, TilePacket, TileScratch, micro::Meeting},
+    kernels::{Kernels, TILE_RAYS, TileHits, TilePacket, micro::Meeting},
     scene::{Light, Scene, TriangleMesh},
     shade::{LightRays, SurfaceTable, Surfaces, light_rays},
     tile::{Order, Tile, tiles},
-    trace::{KernelChoice, ShadowRays, Traversal},
+    trace::{KernelChoice, PacketScratch, ShadowRays, Traversal},
 };
 
 /// Side of the tiles that shadow rays are regrouped in.
@@ -116,7 +116,7 @@ impl Stage {
     fn see(&self, kernels: &Kernels, tile: Tile, background: [f32; 3]) -> Patch {
         let traversal = Traversal::new(&self.bvh, *kernels, KernelChoice::Tile);
         let mut six = Box::new(std::array::from_fn(|_| TilePacket::new()));
-        let (mut hits, mut scratch) = (TileHits::new(), TileScratch::new());
+        let (mut hits, mut scratch) = (TileHits::new(), PacketScratch::new());
         let (mut packets, mut surfaces, mut rays) = (Vec::new(), Surfaces::default(), LightRays::default());
         surfaces.reset((TILE * TILE) as usize / TILE_RAYS, background);
         for (index, (at, inside)) in corners(tile).enumerate() {

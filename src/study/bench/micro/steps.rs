@@ -3,12 +3,12 @@
 use super::stage::Stage;
 use crate::{
     kernels::{
-        Kernels, Ray, SUB, TILE_RAYS, TileHits, TilePacket, TileScratch,
+        Kernels, Ray, SUB, TILE_RAYS, TileHits, TilePacket,
         micro::{Meeting, fold},
     },
     scene::Light,
     shade::{LightRays, Surfaces, add_light, light_rays},
-    trace::{KernelChoice, NO_OCCLUDER, PointShadows, RayStream, Traversal},
+    trace::{KernelChoice, NO_OCCLUDER, PacketScratch, PointShadows, RayStream, Traversal},
 };
 use std::hint::black_box;
 
@@ -147,7 +147,7 @@ fn primary(stage: &Stage, kernels: Kernels) -> [Step<'_>; 2] {
     let rays: Vec<Ray> = packets()
         .flat_map(|packet| (0..TILE_RAYS).filter(move |&i| active(packet, i)).map(|i| packet.ray(i)))
         .collect();
-    let (mut hits, mut scratch) = (TileHits::new(), TileScratch::new());
+    let (mut hits, mut scratch) = (TileHits::new(), PacketScratch::new());
     [
         step("primary packets", "ray", stage.pixels(), move |sum| {
             for packet in packets() {

@@ -2,6 +2,7 @@
 
 use super::{
     RenderOptions,
+    places::{LensPlaces, Places},
     scatter::{Series, Sums},
     task::{RenderTask, Scratch, packet_corners},
 };
@@ -10,9 +11,7 @@ use crate::{
     effects::{Effect, EffectChoice, EffectSet},
     kernels::{SUB, SUBS, TILE_RAYS},
     scene::{DepthOfField, Scene},
-    shade::{
-        Disc, Integrator, Meter, PathTable, Purpose, Sample, Samples, Shot, SurfaceTable, Variant, pixel_key,
-    },
+    shade::{Disc, Integrator, Meter, PathTable, Sample, Shot, SurfaceTable, Variant},
     tile::Tile,
     trace::Traversal,
 };
@@ -204,12 +203,12 @@ impl<'a> Follow<'a> {
         let corners = shots.chunks(TILE_RAYS).map(|packet| packet[0].pixel);
         let mut places = [[0.0; TILE_RAYS]; 2];
         task.see_with(corners, scratch, meter, true, |index, _, packets| {
+            let shots = &shots[index * TILE_RAYS..][..TILE_RAYS];
             let mut wanted = [0; SUBS];
-            for (ray, shot) in shots[index * TILE_RAYS..][..TILE_RAYS].iter().enumerate() {
+            for (ray, shot) in shots.iter().enumerate() {
                 wanted[ray / SUB] |= u16::from(shot.wanted) << (ray % SUB);
-                // From the image's first pixel on: rounded alike in every packet, so that the image has one hash.
-                [places[0][ray], places[1][ray]] = place(shot, series);
             }
+            kernels.run(Places { shots, series, to: &mut places });
             camera.jittered_rays(kernels, [0; 2], wanted, &places, packets)
         });
         meter.rays.primary += shots.iter().filter(|shot| shot.wanted).count() as u64;
@@ -220,16 +219,12 @@ impl<'a> Follow<'a> {
     fn look_through(&self, lens: DepthOfField, camera: &Camera, series: Series, scratch: &mut Scratch) {
         scratch.path.begin_queue();
         for (block, shots) in scratch.shots.as_chunks::<SUB>().0.iter().enumerate() {
-            let mut squares = [[0.0; SUB]; 2];
-            for (lane, shot) in shots.iter().enumerate() {
-                let key = pixel_key(shot.pixel[0], shot.pixel[1], series.seed);
-                let square = Samples::new(series.samples, key, Purpose::Lens as u32).get(shot.number);
-                [squares[0][lane], squares[1][lane]] = square;
-            }
-            let [across, up] = self.integrator.traversal.kernels().run(Disc(&squares));
-            for (lane, shot) in shots.iter().enumerate().filter(|(_, shot)| shot.wanted) {
-                let at = place(shot, series);
-                let ray = camera.lens_ray(at, [across[lane], up[lane]], lens.aperture, lens.focus);
+            let kernels = self.integrator.traversal.kernels();
+            let [[x, y], squares] = kernels.run(LensPlaces { shots, series });
+            let [across, up] = kernels.run(Disc(&squares));
+            for (lane, _) in shots.iter().enumerate().filter(|(_, shot)| shot.wanted) {
+                let ray =
+                    camera.lens_ray([x[lane], y[lane]], [across[lane], up[lane]], lens.aperture, lens.focus);
                 scratch.path.push_camera_ray(block * SUB + lane, &ray);
             }
         }
@@ -239,14 +234,4 @@ impl<'a> Follow<'a> {
 fn sample<'a>(scratch: &'a mut Scratch, meter: &'a mut Meter, samples: u32) -> Sample<'a> {
     let Scratch { surfaces, path, shadows, seeds, .. } = scratch;
     Sample { surfaces, scratch: path, shadows, seeds, meter, samples }
-}
-
-/// Where a ray goes through the image, in pixels from the centre of the first one.
-fn place(&Shot { pixel: [x, y], number, .. }: &Shot, Series { samples, seed }: Series) -> [f32; 2] {
-    let centre = [x as f32, y as f32];
-    if samples == 1 {
-        return centre;
-    }
-    let moved = Samples::new(samples, pixel_key(x, y, seed), Purpose::Pixel as u32).get(number);
-    [0, 1].map(|axis| centre[axis] + (moved[axis] - 0.5))
 }

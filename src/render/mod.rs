@@ -14,6 +14,7 @@ mod animation;
 mod adaptive;
 mod follow;
 mod passes;
+mod places;
 mod progressive;
 mod scatter;
 mod seeds;

@@ -21,7 +21,7 @@ mod trig;
 
 pub use direct::{LightRays, add_light, light_rays};
 use direct::{add_tinted_light, light_rays_to};
-pub(crate) use path::{Disc, Purpose, Sample, Samples, Shot, pixel_key};
+pub(crate) use path::{Disc, Purpose, Sample, Samples, Shot, pixel_keys};
 pub use path::{Integrator, Meter, PLAIN, PathScratch, PathTable, RayTally, Variant};
 pub use surface::Surfaces;
 pub use table::SurfaceTable;

@@ -39,6 +39,7 @@ impl Traversal<'_> {
             let Buffers { scratch, stream, blocks, met, .. } = buffers;
             let mut found = TileHits::new();
             let mut doubts = 0;
+            scratch.begin();
             let packet = |packet: &TilePacket, members: &[u32]| {
                 doubts += self.intersect(packet, scratch, &mut found);
                 members.iter().enumerate().for_each(|(i, &ray)| hits[ray as usize] = found.hit(i));
@@ -68,6 +69,7 @@ impl Traversal<'_> {
             let Buffers { scratch, stream, blocks, stopped, .. } = buffers;
             let mut seed: NodeRef = super::NO_OCCLUDER;
             let mut doubts = 0;
+            scratch.begin();
             let packet = |packet: &TilePacket, members: &[u32]| {
                 let mut bits = [0; SUBS];
                 doubts += self.occluded(packet, scratch, &mut seed, &mut bits);

@@ -3,6 +3,7 @@
 use super::{
     Integrator, PathScratch, Sample,
     bright::Aim,
+    draw::{Draw, DrawLines, DrawSquares},
     random::{Purpose, Samples, mix},
     sky,
     source::{Around, Arrive, Chosen, Connect, Source},
@@ -20,16 +21,10 @@ use glam::Vec3;
 impl Integrator<'_> {
     /// Two numbers for each surface: sample `index` of `count`, for each sample of the pixel.
     pub(super) fn squares(&self, sample: &mut Sample, purpose: u32, index: u32, count: u32) {
-        let total = count * sample.samples;
         let PathScratch { states, squares, .. } = &mut *sample.scratch;
-        let [u, v] = squares;
-        u.resize(states.len(), 0.0);
-        v.resize(states.len(), 0.0);
-        for (ray, state) in states.iter().enumerate() {
-            if sample.surfaces.prim[ray] != MISS {
-                [u[ray], v[ray]] = Samples::new(total, state.key, purpose).get(state.number * count + index);
-            }
-        }
+        squares.iter_mut().for_each(|plane| plane.resize(states.len(), 0.0));
+        let samples = Samples::new(count * sample.samples, purpose);
+        self.traversal.kernels().run(DrawSquares(Draw { states, samples, index, count }, squares));
     }
 
     /// Adds a light without extent.
@@ -167,14 +162,14 @@ impl Integrator<'_> {
 
     /// Chooses a point of an emitting triangle for each surface.
     fn choose(&self, sample: &mut Sample, index: u32, count: u32) {
-        let total = count * sample.samples;
-        let PathScratch { states, squares, chosen, .. } = &mut *sample.scratch;
+        let PathScratch { states, squares, lines, chosen, .. } = &mut *sample.scratch;
+        lines.resize(states.len(), 0.0);
+        let samples = Samples::new(count * sample.samples, mix(Purpose::Choice as u32, 0));
+        self.traversal.kernels().run(DrawLines(Draw { states, samples, index, count }, lines));
         chosen.resize(states.len());
-        for (ray, state) in states.iter().enumerate() {
+        for ray in 0..states.len() {
             if sample.surfaces.prim[ray] != MISS {
-                let chances = Samples::new(total, state.key, mix(Purpose::Choice as u32, 0));
-                let chance = chances.line(state.number * count + index);
-                chosen.set(ray, self.paths, chance, [squares[0][ray], squares[1][ray]]);
+                chosen.set(ray, self.paths, lines[ray], [squares[0][ray], squares[1][ray]]);
             }
         }
     }

@@ -15,6 +15,7 @@
 
 mod ambient;
 mod bright;
+mod draw;
 mod filter;
 mod ground;
 mod lights;
@@ -33,7 +34,8 @@ mod wide;
 
 pub(crate) use ground::Ground;
 pub use meter::{Meter, RayTally};
-pub(crate) use random::{Purpose, Samples, pixel_key};
+use random::pixel_key;
+pub(crate) use random::{Purpose, Samples, pixel_keys};
 pub(crate) use source::Disc;
 pub use table::PathTable;
 pub use variant::{PLAIN, Variant};
@@ -78,6 +80,7 @@ pub struct PathScratch {
     stream: RayStream,
     squares: Squares,
     places: Squares,
+    lines: Vec<f32>,
     scattered: Scattered,
     bounced: Planes,
     skip: Vec<u32>,

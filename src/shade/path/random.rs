@@ -5,6 +5,8 @@
 //! surface, over all samples of the pixel, form one set that is stratified in two dimensions: A. Kensler, "Correlated
 //! Multi-Jittered Sampling", Pixar 13-01 (2013). Sets of different keys and purposes are shuffled apart.
 
+use crate::kernels::SUB;
+
 /// What samples are for; each purpose has its own shuffle.
 #[derive(Clone, Copy, Debug)]
 #[repr(u32)]
@@ -30,6 +32,7 @@ pub(crate) enum Purpose {
 }
 
 /// Mixes two numbers into one (the finaliser of MurmurHash3).
+#[inline(always)]
 pub(crate) fn mix(a: u32, b: u32) -> u32 {
     let mut h = a ^ b.wrapping_mul(0x9e37_79b9).rotate_left(15);
     h = (h ^ (h >> 16)).wrapping_mul(0x85eb_ca6b);
@@ -38,99 +41,279 @@ pub(crate) fn mix(a: u32, b: u32) -> u32 {
 }
 
 /// The key of the camera rays of a pixel.
+#[inline(always)]
 pub(crate) fn pixel_key(x: u32, y: u32, seed: u64) -> u32 {
     mix(mix(mix(mix(0x1234_5678, seed as u32), (seed >> 32) as u32), x), y)
 }
 
-/// A set of `count` samples of the unit square.
+/// Sets of `count` samples of the unit square, one for each key, drawn from sixteen keys at a time.
+///
+/// The loops below run over sixteen lanes without branches, so that inside of a [`Kernel`](crate::kernels::Kernel) the compiler
+/// makes them instructions of its instruction set.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Samples {
     count: u32,
     /// Cells per row and column; as many as `count` or a few more.
     cells: [u32; 2],
-    pattern: u32,
+    purpose: u32,
 }
 
+/// A number for each lane.
+pub(crate) type Lanes = [u32; SUB];
+
 impl Samples {
-    /// The set for a key and purpose.
-    pub(crate) fn new(count: u32, key: u32, purpose: u32) -> Samples {
+    /// Sets of this size for this purpose.
+    pub(crate) fn new(count: u32, purpose: u32) -> Samples {
         let columns = (f64::from(count).sqrt() as u32).max(1);
-        Samples { count, cells: [columns, count.div_ceil(columns)], pattern: mix(key, purpose) }
+        Samples { count, cells: [columns, count.div_ceil(columns)], purpose }
     }
 
-    /// Sample number `index` < `count`: each coordinate in [0, 1).
-    pub(crate) fn get(&self, index: u32) -> [f32; 2] {
+    /// Of each key's set the sample of that number < `count`: each coordinate in [0, 1).
+    #[inline(always)]
+    pub(crate) fn squares(&self, keys: &Lanes, numbers: &Lanes) -> [[f32; SUB]; 2] {
         let [m, n] = self.cells;
-        let pattern = self.pattern;
-        let s = permute(index, self.count, pattern.wrapping_mul(0x5163_3e2d));
-        let column = permute(s % m, m, pattern.wrapping_mul(0x68bc_21eb));
-        let row = permute(s / m, n, pattern.wrapping_mul(0x02e5_be93));
-        let jx = unit(mix(s, pattern.wrapping_mul(0x967a_889b)));
-        let jy = unit(mix(s, pattern.wrapping_mul(0x368c_c8b7)));
-        let x = (column as f32 + (row as f32 + jx) / n as f32) / m as f32;
-        // By s, not by cell: no part of the square is left out where there are more cells than samples.
-        let y = (s as f32 + jy) / self.count as f32;
-        [x.min(BELOW_ONE), y.min(BELOW_ONE)]
+        let patterns = mix_all(keys, self.purpose);
+        let s = permute(*numbers, self.count, &times(&patterns, 0x5163_3e2d));
+        let (mut column, mut row) = (s, s);
+        if m.is_power_of_two() {
+            column.iter_mut().for_each(|s| *s &= m - 1);
+            row.iter_mut().for_each(|s| *s >>= m.trailing_zeros());
+        } else {
+            column.iter_mut().for_each(|s| *s %= m);
+            row.iter_mut().for_each(|s| *s /= m);
+        }
+        let column = permute(column, m, &times(&patterns, 0x68bc_21eb));
+        let row = permute(row, n, &times(&patterns, 0x02e5_be93));
+        let (mut x, mut y) = ([0.0; SUB], [0.0; SUB]);
+        for lane in 0..SUB {
+            let jitter = |factor| unit(mix(s[lane], patterns[lane].wrapping_mul(factor)));
+            let (jx, jy) = (jitter(0x967a_889b), jitter(0x368c_c8b7));
+            let across = (column[lane] as f32 + (row[lane] as f32 + jx) / n as f32) / m as f32;
+            // By s, not by cell: no part of the square is left out where there are more cells than samples.
+            let down = (s[lane] as f32 + jy) / self.count as f32;
+            (x[lane], y[lane]) = (across.min(BELOW_ONE), down.min(BELOW_ONE));
+        }
+        [x, y]
     }
 
-    /// One coordinate in [0, 1) of sample number `index`, stratified over all of them.
-    pub(crate) fn line(&self, index: u32) -> f32 {
-        let s = permute(index, self.count, self.pattern.wrapping_mul(0x5163_3e2d));
-        let jitter = unit(mix(s, self.pattern.wrapping_mul(0x967a_889b)));
-        ((s as f32 + jitter) / self.count as f32).min(BELOW_ONE)
+    /// One coordinate in [0, 1) of each key's sample of that number, stratified over all of them.
+    #[inline(always)]
+    pub(crate) fn lines(&self, keys: &Lanes, numbers: &Lanes) -> [f32; SUB] {
+        let patterns = mix_all(keys, self.purpose);
+        let s = permute(*numbers, self.count, &times(&patterns, 0x5163_3e2d));
+        let mut line = [0.0; SUB];
+        for lane in 0..SUB {
+            let jitter = unit(mix(s[lane], patterns[lane].wrapping_mul(0x967a_889b)));
+            line[lane] = ((s[lane] as f32 + jitter) / self.count as f32).min(BELOW_ONE);
+        }
+        line
     }
+}
+
+/// The keys of the camera rays of pixels; see [`pixel_key`].
+#[inline(always)]
+pub(crate) fn pixel_keys(x: &Lanes, y: &Lanes, seed: u64) -> Lanes {
+    let mut keys = [0; SUB];
+    for lane in 0..SUB {
+        keys[lane] = pixel_key(x[lane], y[lane], seed);
+    }
+    keys
+}
+
+#[inline(always)]
+fn mix_all(a: &Lanes, b: u32) -> Lanes {
+    let mut mixed = [0; SUB];
+    for lane in 0..SUB {
+        mixed[lane] = mix(a[lane], b);
+    }
+    mixed
+}
+
+#[inline(always)]
+fn times(a: &Lanes, factor: u32) -> Lanes {
+    let mut product = [0; SUB];
+    for lane in 0..SUB {
+        product[lane] = a[lane].wrapping_mul(factor);
+    }
+    product
 }
 
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 /// In [0, 1).
+#[inline(always)]
 fn unit(bits: u32) -> f32 {
-    (bits >> 8) as f32 / (1u32 << 24) as f32
+    // Below 2^24: exact, also as a signed number, which more instruction sets convert.
+    (bits >> 8) as i32 as f32 / (1u32 << 24) as f32
 }
 
-/// A permutation of 0..`len` that depends on `p` (Kensler, section 3).
-fn permute(mut i: u32, len: u32, p: u32) -> u32 {
+/// Each lane's place in a permutation of 0..`len` that depends on `p` (Kensler, section 3).
+#[inline(always)]
+fn permute(mut i: Lanes, len: u32, p: &Lanes) -> Lanes {
     if len <= 1 {
-        return 0;
+        return [0; SUB];
     }
-    let mut w = len - 1;
-    for shift in [1, 2, 4, 8, 16] {
-        w |= w >> shift;
+    let w = u32::MAX >> (len - 1).leading_zeros();
+    for lane in 0..SUB {
+        i[lane] = scramble(i[lane], w, p[lane]);
     }
-    loop {
-        i ^= p;
-        i = i.wrapping_mul(0xe170_893d);
-        i ^= p >> 16;
-        i ^= (i & w) >> 4;
-        i ^= p >> 8;
-        i = i.wrapping_mul(0x0929_eb3f);
-        i ^= p >> 23;
-        i ^= (i & w) >> 1;
-        i = i.wrapping_mul(1 | p >> 27);
-        i = i.wrapping_mul(0x6935_fa69);
-        i ^= (i & w) >> 11;
-        i = i.wrapping_mul(0x74dc_b303);
-        i ^= (i & w) >> 2;
-        i = i.wrapping_mul(0x9e50_1cc3);
-        i ^= (i & w) >> 2;
-        i = i.wrapping_mul(0xc860_a3df);
-        i &= w;
-        i ^= i >> 5;
-        if i < len {
-            return ((u64::from(i) + u64::from(p)) % u64::from(len)) as u32;
+    // Those that have left the range go on until they come back.
+    while i.iter().fold(0, |most, &i| if i > most { i } else { most }) >= len {
+        for lane in 0..SUB {
+            let next = scramble(i[lane], w, p[lane]);
+            i[lane] = if i[lane] < len { i[lane] } else { next };
         }
     }
+    if len.is_power_of_two() {
+        for lane in 0..SUB {
+            i[lane] = i[lane].wrapping_add(p[lane]) & (len - 1);
+        }
+    } else {
+        for lane in 0..SUB {
+            let sum = i[lane] + p[lane] % len;
+            i[lane] = if sum < len { sum } else { sum - len };
+        }
+    }
+    i
+}
+
+/// A permutation of 0..=`w`, which is a power of two minus 1.
+#[inline(always)]
+fn scramble(mut i: u32, w: u32, p: u32) -> u32 {
+    i ^= p;
+    i = i.wrapping_mul(0xe170_893d);
+    i ^= p >> 16;
+    i ^= (i & w) >> 4;
+    i ^= p >> 8;
+    i = i.wrapping_mul(0x0929_eb3f);
+    i ^= p >> 23;
+    i ^= (i & w) >> 1;
+    i = i.wrapping_mul(1 | p >> 27);
+    i = i.wrapping_mul(0x6935_fa69);
+    i ^= (i & w) >> 11;
+    i = i.wrapping_mul(0x74dc_b303);
+    i ^= (i & w) >> 2;
+    i = i.wrapping_mul(0x9e50_1cc3);
+    i ^= (i & w) >> 2;
+    i = i.wrapping_mul(0xc860_a3df);
+    i &= w;
+    i ^ (i >> 5)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernels::{Isa, Kernel, Kernels, Simd};
+
+    /// The definition, for one key: a set of `count` samples of the unit square.
+    #[derive(Clone, Copy, Debug)]
+    struct One {
+        count: u32,
+        /// Cells per row and column; as many as `count` or a few more.
+        cells: [u32; 2],
+        pattern: u32,
+    }
+
+    impl One {
+        fn new(count: u32, key: u32, purpose: u32) -> One {
+            let columns = (f64::from(count).sqrt() as u32).max(1);
+            One { count, cells: [columns, count.div_ceil(columns)], pattern: mix(key, purpose) }
+        }
+
+        /// Sample number `index` < `count`: each coordinate in [0, 1).
+        fn get(&self, index: u32) -> [f32; 2] {
+            let [m, n] = self.cells;
+            let pattern = self.pattern;
+            let s = permute_one(index, self.count, pattern.wrapping_mul(0x5163_3e2d));
+            let column = permute_one(s % m, m, pattern.wrapping_mul(0x68bc_21eb));
+            let row = permute_one(s / m, n, pattern.wrapping_mul(0x02e5_be93));
+            let jx = unit(mix(s, pattern.wrapping_mul(0x967a_889b)));
+            let jy = unit(mix(s, pattern.wrapping_mul(0x368c_c8b7)));
+            let x = (column as f32 + (row as f32 + jx) / n as f32) / m as f32;
+            // By s, not by cell: no part of the square is left out where there are more cells than samples.
+            let y = (s as f32 + jy) / self.count as f32;
+            [x.min(BELOW_ONE), y.min(BELOW_ONE)]
+        }
+
+        /// One coordinate in [0, 1) of sample number `index`, stratified over all of them.
+        fn line(&self, index: u32) -> f32 {
+            let s = permute_one(index, self.count, self.pattern.wrapping_mul(0x5163_3e2d));
+            let jitter = unit(mix(s, self.pattern.wrapping_mul(0x967a_889b)));
+            ((s as f32 + jitter) / self.count as f32).min(BELOW_ONE)
+        }
+    }
+
+    /// A permutation of 0..`len` that depends on `p` (Kensler, section 3).
+    fn permute_one(mut i: u32, len: u32, p: u32) -> u32 {
+        if len <= 1 {
+            return 0;
+        }
+        let mut w = len - 1;
+        for shift in [1, 2, 4, 8, 16] {
+            w |= w >> shift;
+        }
+        loop {
+            i ^= p;
+            i = i.wrapping_mul(0xe170_893d);
+            i ^= p >> 16;
+            i ^= (i & w) >> 4;
+            i ^= p >> 8;
+            i = i.wrapping_mul(0x0929_eb3f);
+            i ^= p >> 23;
+            i ^= (i & w) >> 1;
+            i = i.wrapping_mul(1 | p >> 27);
+            i = i.wrapping_mul(0x6935_fa69);
+            i ^= (i & w) >> 11;
+            i = i.wrapping_mul(0x74dc_b303);
+            i ^= (i & w) >> 2;
+            i = i.wrapping_mul(0x9e50_1cc3);
+            i ^= (i & w) >> 2;
+            i = i.wrapping_mul(0xc860_a3df);
+            i &= w;
+            i ^= i >> 5;
+            if i < len {
+                return ((u64::from(i) + u64::from(p)) % u64::from(len)) as u32;
+            }
+        }
+    }
+
+    /// Sixteen samples by an instruction set.
+    struct Draw(Samples, Lanes, Lanes);
+
+    impl Kernel for Draw {
+        type Output = ([[f32; SUB]; 2], [f32; SUB]);
+
+        #[inline(always)]
+        fn run<S: Simd>(self, _: S) -> ([[f32; SUB]; 2], [f32; SUB]) {
+            (self.0.squares(&self.1, &self.2), self.0.lines(&self.1, &self.2))
+        }
+    }
+
+    #[test]
+    fn sixteen_at_a_time_are_those_of_the_definition_to_the_bit() {
+        for count in [1u32, 2, 3, 4, 5, 7, 8, 12, 16, 20, 31, 64, 100, 257, 4096] {
+            for round in 0..20 {
+                let keys: Lanes = std::array::from_fn(|lane| mix(lane as u32, round));
+                let numbers: Lanes = std::array::from_fn(|lane| mix(round, lane as u32) % count);
+                for isa in Isa::available() {
+                    let kernels = Kernels::for_isa(isa).unwrap();
+                    let ([x, y], line) = kernels.run(Draw(Samples::new(count, 5 + round), keys, numbers));
+                    for lane in 0..SUB {
+                        let one = One::new(count, keys[lane], 5 + round);
+                        let want = one.get(numbers[lane]).map(f32::to_bits);
+                        assert_eq!([x[lane], y[lane]].map(f32::to_bits), want, "{isa} {count} {lane}");
+                        assert_eq!(line[lane].to_bits(), one.line(numbers[lane]).to_bits(), "{isa} {count}");
+                    }
+                }
+            }
+        }
+    }
 
     #[test]
     fn permutations_are_permutations() {
         for len in [1, 2, 3, 7, 16, 60, 257] {
             for p in [0, 1, 0x9e37_79b9, u32::MAX] {
-                let mut seen: Vec<u32> = (0..len).map(|i| permute(i, len, p)).collect();
+                let mut seen: Vec<u32> = (0..len).map(|i| permute_one(i, len, p)).collect();
                 seen.sort_unstable();
                 assert!(seen.into_iter().eq(0..len), "{len}, {p}");
             }
@@ -140,7 +323,7 @@ mod tests {
     #[test]
     fn samples_are_stratified_in_two_dimensions() {
         for (count, key) in [(16u32, 1), (36, 2), (144, 3)] {
-            let samples = Samples::new(count, key, 5);
+            let samples = One::new(count, key, 5);
             let all: Vec<[f32; 2]> = (0..count).map(|i| samples.get(i)).collect();
             let side = (count as f32).sqrt() as usize;
             let cell = |x: f32, cells: usize| (x * cells as f32) as usize;
@@ -163,7 +346,7 @@ mod tests {
 
     #[test]
     fn sets_of_two_purposes_have_nothing_to_do_with_each_other() {
-        let (a, b) = (Samples::new(4096, 9, 1), Samples::new(4096, 9, 2));
+        let (a, b) = (One::new(4096, 9, 1), One::new(4096, 9, 2));
         let mean: f64 = (0..4096).map(|i| f64::from(a.get(i)[0] * b.get(i)[0])).sum::<f64>() / 4096.0;
         assert!((mean - 0.25).abs() < 0.01, "{mean}");
     }

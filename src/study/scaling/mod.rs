@@ -192,18 +192,31 @@ impl Study<'_> {
             one.rounds().map(|streams| self.seen(measured.schedule, streams, tiles)).collect();
         let slow = measured.slowness(one);
         let predictions: Vec<f64> = slow.iter().zip(&each).map(|(slow, seen)| predict(slow, seen)).collect();
-        let typical = Costs::median(&each);
-        let pooled: Vec<f64> = slow.iter().map(|slow| predict(slow, &typical)).collect();
-        // Half way: reports as in the round, the rest as usual.
+        let parts: Vec<(f64, f64)> = slow
+            .iter()
+            .zip(&each)
+            .zip(one.rounds())
+            .zip(&seconds)
+            .map(|(((slow, seen), streams), two)| {
+                let all = tiles.slowness_of_all(streams);
+                let slowness = self.apart_from_master(measured.schedule, seen, slow, tiles);
+                let (e, stream) = self.predict(measured.schedule, seen, &slowness, tiles);
+                let t1 = e * workers as f64 * stream.per_frame();
+                let m1 = streams.iter().map(|s| s.seconds).sum::<f64>()
+                    / streams.iter().map(|s| s.frames).sum::<usize>() as f64;
+                (t1 * all / m1, stream.per_frame() * all / two)
+            })
+            .collect();
         log::debug!(
-            "XX {} {} {} {} {:.4} {:.4} {:.4} | {ratios:.4?} | {predictions:.4?} | {pooled:.4?}",
+            "YY {} {} {} {} {:.4} {:.4} {:.4} {:.4}",
             self.scene.name,
             measured.schedule.strategy,
             measured.schedule.film,
             workers,
             median(&ratios),
             median(&predictions),
-            median(&pooled)
+            median(&parts.iter().map(|p| p.0).collect::<Vec<f64>>()),
+            median(&parts.iter().map(|p| p.1).collect::<Vec<f64>>()),
         );
         // One worker against itself, which no rounding should tell from 1.
         let itself = |value: f64| if workers == 1 { 1.0 } else { value };

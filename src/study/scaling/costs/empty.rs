@@ -1,0 +1,214 @@
+//! Costs measured with tiles that do nothing, between threads of this machine.
+
+use super::{Costs, NOTHING};
+use crate::error::Result;
+use crate::film::Film;
+use crate::math::median;
+use crate::schedule::{
+    Control, FilmMode, FrameStats, Machine, Placement, Schedule, SharedCore, Strategy, TileTask,
+    pin_current_thread, shared_core_seconds, steal_seconds, with_workers,
+};
+use crate::tile::{Order, Tile, tiles};
+use std::sync::mpsc;
+use std::time::Instant;
+
+/// Frames per measurement.
+const FRAMES: usize = 21;
+/// Messages of either kind between threads that share a core: enough to see how often one is late.
+const MESSAGES: usize = 1500;
+/// Tiles in a side of an image of empty tiles, where the time per tile matters ...
+const SIDE: u32 = 128;
+/// ... the same of strategies that answer every tile: a message takes as long as hundreds of tiles do.
+const ANSWERED_SIDE: u32 = 32;
+/// ... and where the time per frame matters.
+const SMALL_SIDE: u32 = 16;
+/// Of a tile of 64x64 pixels.
+const TILE_BYTES: f64 = 64.0 * 64.0 * 12.0;
+
+impl Costs {
+    /// Measures them, in about four seconds.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::Flag`] if a thread cannot be started.
+    pub fn measure(pin: bool) -> Result<Costs> {
+        let frames =
+            |strategy, side| empty_frames(Schedule { strategy, film: FilmMode::Shared }, 1, pin, side);
+        let (stealing, mut dynamic) =
+            (frames(Strategy::Stealing, SIDE)?, frames(Strategy::Dynamic, ANSWERED_SIDE)?);
+        let small = frames(Strategy::Dynamic, SMALL_SIDE)?;
+        let count = f64::from(SIDE * SIDE);
+        let last = |stats: &FrameStats| stats.spans.iter().fold(0.0, |end: f64, span| end.max(span.end));
+        // Of stealing all tiles are in one report.
+        let collect_tile = quiet(&stealing, |stats| stats.master.reports / count);
+        let tile = quiet(&stealing, |stats| {
+            (last(stats) - stats.workers[0].idle.start - stats.workers[0].busy_seconds).max(0.0) / count
+        });
+        // Of dynamic every report has one tile, and its answer wakes the worker.
+        let nothing = Costs { collect_tile, tile, ..NOTHING };
+        let answered = Schedule { strategy: Strategy::Dynamic, film: FilmMode::Shared };
+        let seen = nothing.seen_in(quieter_half(&mut dynamic), answered, 1.0);
+        let Costs { send, reply, to_master, collect, .. } = seen;
+        let per_byte = copy_seconds_per_byte(pin);
+        // To the master and back, each about what waking somebody costs.
+        let guess = SharedCore::punctual(send, to_master, 3.0 * send, 2.0 * send);
+        let shared = shared_core(pin, collect).unwrap_or(guess);
+        let seen = Costs {
+            // The first task wakes the worker.
+            prepare: quiet(&small, |stats| (stats.master.frames - reply).max(0.0)),
+            steal: steal_seconds(FRAMES),
+            shared,
+            per_byte,
+            cores: Machine::get().default_workers(),
+            ..seen
+        };
+        Ok(seen.sharing_while_copying(collect + per_byte * TILE_BYTES, pin))
+    }
+
+    /// The same with [`Costs::copying`] measured for a master who has as much to do for a report of one tile as in these
+    /// streams of one worker. Takes a second.
+    pub(in crate::study::scaling) fn copying_as_in<'a>(
+        self,
+        streams: impl Iterator<Item = (Schedule, &'a [FrameStats])>,
+        pin: bool,
+    ) -> Costs {
+        let work = streams.map(|(schedule, streams)| {
+            let Costs { collect, per_byte, .. } = self.seen_in(streams, schedule, 1.0);
+            collect + per_byte * TILE_BYTES
+        });
+        let work: Vec<f64> = work.collect();
+        if work.is_empty() { self } else { self.sharing_while_copying(median(&work), pin) }
+    }
+
+    fn sharing_while_copying(self, work: f64, pin: bool) -> Costs {
+        Costs { copying: shared_core(pin, work).unwrap_or(self.shared), ..self }
+    }
+}
+
+/// Seconds per tile of a frame of tiles that do nothing: the scheduler's own, in a quiet moment.
+///
+/// # Errors
+/// [`crate::error::Error::Flag`] if a thread cannot be started.
+pub fn overhead_per_tile(schedule: Schedule, workers: usize, pin: bool) -> Result<f64> {
+    let side = match schedule.strategy {
+        Strategy::Dynamic | Strategy::Overlap | Strategy::NonBlocking => ANSWERED_SIDE,
+        _ => SIDE,
+    };
+    let frames = empty_frames(schedule, workers, pin, side)?;
+    Ok(quiet(&frames, |stats| stats.seconds / stats.spans.len() as f64))
+}
+
+fn empty_frames(schedule: Schedule, workers: usize, pin: bool, side: u32) -> Result<Vec<FrameStats>> {
+    let most = workers.max(Machine::get().default_workers());
+    let placement = Placement::new(Machine::get(), Some(most), pin);
+    let tiles = tiles(side, side, 1, Order::Hilbert);
+    let measure = || {
+        // As in the streams that are measured.
+        pin_current_thread(placement.beside(0..workers));
+        with_workers(&Empty, &placement, |master| {
+            master.employ(0..workers);
+            let mut frame = || {
+                let (_, stats) =
+                    master.run_frame(schedule, (), &tiles, &Control::unattended(), |(), _, ()| {})?;
+                Ok(stats)
+            };
+            frame()?;
+            (0..FRAMES).map(|_| frame()).collect()
+        })
+    };
+    std::thread::scope(|scope| match scope.spawn(measure).join() {
+        Ok(frames) => frames,
+        Err(panic) => std::panic::resume_unwind(panic),
+    })
+}
+
+/// A tile that does nothing.
+struct Empty;
+
+impl TileTask for Empty {
+    type Frame = ();
+    type Scratch = ();
+    type Output = ();
+
+    fn scratch(&self, _worker: usize) {}
+
+    fn run(&self, (): &(), _tile: Tile, (): &mut (), (): &mut ()) {}
+}
+
+/// Of the first two cores, if there are two, with so much to do for a report.
+fn shared_core(pin: bool, work: f64) -> Option<SharedCore> {
+    let placement = Placement::new(Machine::get(), Some(2), pin);
+    match placement.slots() {
+        &[Some(other), Some(core)] => shared_core_seconds(MESSAGES, core, other, work),
+        _ => None,
+    }
+}
+
+/// Of tiles that another core has just written, as a worker does.
+fn copy_seconds_per_byte(pin: bool) -> f64 {
+    let film = Film::new(1024, 1024);
+    let (side, tiles) = (64, tiles(1024, 1024, 64, Order::Hilbert));
+    let placement = Placement::new(Machine::get(), Some(2), pin);
+    let pin = |slot: usize| pin_current_thread(placement.slots()[slot]);
+    let (fill, filled) = mpsc::channel();
+    let (empty, emptied) = mpsc::channel();
+    let worker = move || {
+        pin(0);
+        let mut planes = vec![0.0f32; 3 * side * side];
+        loop {
+            planes.fill(0.5);
+            if fill.send(planes).is_err() {
+                return;
+            }
+            let Ok(back) = emptied.recv() else { return };
+            planes = back;
+        }
+    };
+    let master = move || {
+        pin(1);
+        let mut copy = |&tile: &Tile| {
+            let Ok(planes) = filled.recv() else { return 0.0 };
+            let [r, g, b] = [0, 1, 2].map(|plane| &planes[plane * side * side..][..side * side]);
+            let start = Instant::now();
+            film.write_tile(tile, r, g, b);
+            let seconds = start.elapsed().as_secs_f64();
+            let _ = empty.send(planes);
+            seconds
+        };
+        // The first time touches the memory; a later frame finds it there.
+        let _ = tiles.iter().map(&mut copy).sum::<f64>();
+        quarter(tiles.iter().map(copy).collect()) / TILE_BYTES
+    };
+    std::thread::scope(|scope| {
+        scope.spawn(worker);
+        scope.spawn(master).join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    })
+}
+
+/// Those that took least: other processes can only make frames longer.
+fn quieter_half(frames: &mut [FrameStats]) -> &[FrameStats] {
+    frames.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    &frames[..frames.len().div_ceil(2)]
+}
+
+/// The value that a quarter of the frames stay below: other processes can only make steps longer.
+fn quiet(frames: &[FrameStats], of: impl Fn(&FrameStats) -> f64) -> f64 {
+    quarter(frames.iter().map(of).collect())
+}
+
+fn quarter(mut seconds: Vec<f64>) -> f64 {
+    seconds.sort_by(f64::total_cmp);
+    seconds[seconds.len() / 4]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_quieter_half_are_those_that_took_least() {
+        let mut frames =
+            [5.0, 1.0, 4.0, 2.0, 3.0].map(|seconds| FrameStats { seconds, ..FrameStats::default() });
+        let quieter: Vec<f64> = quieter_half(&mut frames).iter().map(|stats| stats.seconds).collect();
+        assert_eq!(quieter, [1.0, 2.0, 3.0]);
+    }
+}

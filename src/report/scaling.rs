@@ -2,6 +2,7 @@
 
 use super::number::significant;
 use super::{Cell, Statistics, Table};
+use crate::math::Spread;
 use crate::schedule::{FilmMode, Strategy};
 use crate::study::scaling::{ScalingRow, SizeRow};
 use serde::Serialize;
@@ -25,6 +26,8 @@ pub struct ScalingRecord {
     inflation: f64,
     scheduling_efficiency: f64,
     predicted_efficiency: Option<f64>,
+    /// By how much that is too much, round by round.
+    apart: Option<Spread>,
     thesis_fps: Option<f64>,
     thesis_efficiency: Option<f64>,
     idle: Vec<IdleRecord>,
@@ -93,6 +96,7 @@ impl From<&ScalingRow> for ScalingRecord {
             inflation: row.inflation,
             scheduling_efficiency: row.scheduling(),
             predicted_efficiency: row.predicted,
+            apart: row.apart,
             thesis_fps: row.thesis.map(|thesis| thesis.fps),
             thesis_efficiency: row.thesis.and_then(|thesis| thesis.efficiency),
             idle: idle.collect(),
@@ -121,6 +125,7 @@ pub fn scaling_table(rows: &[ScalingRow]) -> Table {
         "inflation",
         "scheduling_efficiency",
         "predicted_efficiency",
+        "apart",
         "thesis_fps",
         "thesis_efficiency",
         "tasks",
@@ -142,6 +147,7 @@ pub fn scaling_table(rows: &[ScalingRow]) -> Table {
             row.inflation.into(),
             row.scheduling_efficiency.into(),
             row.predicted_efficiency.into(),
+            row.apart.map(|apart| apart.median).into(),
             row.thesis_fps.into(),
             row.thesis_efficiency.into(),
             row.tasks.count.into(),
@@ -250,7 +256,7 @@ pub fn idle_table(rows: &[ScalingRow]) -> Table {
 
 /// Where efficiency is lost, and whether the simulator sees it. Measured efficiency is scheduling / inflation: what of the
 /// time went into tiles, and by which factor these took longer than one worker alone takes for them. The simulator is told
-/// the inflation.
+/// the inflation. How far it is off is told round by round, since each round has its own.
 pub fn validation_table(rows: &[ScalingRow]) -> Table {
     let mut table = Table::new([
         "scene",
@@ -261,7 +267,7 @@ pub fn validation_table(rows: &[ScalingRow]) -> Table {
         "inflation",
         "scheduling",
         "simulated *",
-        "points apart",
+        "points apart, from to",
         "fastest",
     ]);
     for row in rows.iter().filter(|row| row.workers > 1) {
@@ -272,11 +278,17 @@ pub fn validation_table(rows: &[ScalingRow]) -> Table {
             format!("{:.3}", row.inflation).into(),
             percent(row.scheduling()).into(),
             percent(predicted).into(),
-            format!("{:+.1}", (predicted - row.efficiency) * 100.0).into(),
+            row.apart.map(points).into(),
             percent(row.fastest).into(),
         ]));
     }
     table
+}
+
+/// Percentage points: the median of the rounds, and between what the true one lies.
+fn points(apart: Spread) -> String {
+    let [median, low, high] = [apart.median, apart.low, apart.high].map(|apart| 100.0 * apart);
+    format!("{median:+.1} ({low:+.1} {high:+.1})")
 }
 
 /// What keeps the workers from their tiles at the largest number of workers: shares of the frame.

@@ -20,11 +20,11 @@ pub mod compare;
 mod modes;
 mod prices;
 pub mod reference;
-mod spread;
 mod study;
 mod timing;
 mod verdict;
 
+pub use crate::math::Spread;
 pub use aim::Battery;
 pub use choose::{CAUTION, Choice, Wish, choose};
 pub use front::front;
@@ -32,7 +32,6 @@ pub use geometry::Geometry;
 pub use heat::{heat, heat_color};
 pub use modes::{Knob, Mode, Omission, modes};
 pub use prices::{Extra, Prices, Sampling, error_of, price_size, prices, views};
-pub use spread::Spread;
 pub use timing::{Patience, Times};
 pub use verdict::{sentence, verdict};
 

@@ -1,9 +1,9 @@
 //! Frames of a mode and of the default, by turns, on the same workers' cores.
 
-use super::{compare::Picture, modes::Mode, spread::Spread};
+use super::{compare::Picture, modes::Mode};
 use crate::{
     error::Result,
-    math::{SrgbTable, srgb8_to_linear},
+    math::{Spread, SrgbTable, srgb8_to_linear},
     render::{Level, Limit, RenderOptions, Stage, Target, Tone},
     scene::Scene,
     schedule::{Control, Placement},

@@ -77,18 +77,19 @@ impl Costs {
         }
     }
 
-    /// The median of each of what streams of one worker can show.
-    pub(super) fn median(all: &[Costs]) -> Costs {
+    /// The median of each of what streams of one worker can show; `None` of none.
+    pub(super) fn median(all: &[Costs]) -> Option<Costs> {
         let of = |of: fn(&Costs) -> f64| median(&all.iter().map(of).collect::<Vec<f64>>());
-        Costs {
+        let &first = all.first()?;
+        Some(Costs {
             send: of(|costs| costs.send),
             reply: of(|costs| costs.reply),
             to_master: of(|costs| costs.to_master),
             to_worker: of(|costs| costs.to_worker),
             collect: of(|costs| costs.collect),
             per_byte: of(|costs| costs.per_byte),
-            ..all[0]
-        }
+            ..first
+        })
     }
 
     /// What the simulator is told for this film.

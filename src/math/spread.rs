@@ -1,6 +1,6 @@
 //! A median, and how far it can be trusted.
 
-use crate::math::median;
+use super::median;
 
 /// The median of some rounds, and between which of them the true median lies with at least 99 % certainty: an interval of
 /// order statistics, whatever the distribution. Of fewer than eight rounds, it is all that was seen (and that certain only

@@ -1,0 +1,268 @@
+//! Rows of the tables from what was measured: efficiencies, what the simulator says of them, and of more workers.
+
+use super::{
+    Costs, LONGEST_MEASURED, LONGEST_SIMULATED, ScalingOptions, ScalingRow,
+    measure::{Measured, Rounds, TileCosts},
+    thesis::thesis_figure,
+};
+use crate::{
+    math::{Spread, median},
+    scene::Scene,
+    schedule::{FrameStats, Schedule},
+    tile::Tile,
+};
+
+/// The simulator is never told that tiles became cheaper than this.
+const LEAST_INFLATION: f64 = 0.5;
+/// How often the simulator is asked for the slowness that explains what tiles took: each time what is left of the difference
+/// is a fraction of it, the share of tiles' time that the master takes.
+const TRIALS: usize = 4;
+
+/// What the rows of a scene are made of.
+pub(super) struct Study<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) options: &'a ScalingOptions,
+    pub(super) costs: &'a Costs,
+    pub(super) cores: usize,
+    pub(super) rounds: &'a Rounds,
+    pub(super) base: &'a [Tile],
+}
+
+/// One worker of a schedule, round by round.
+struct Alone<'a> {
+    measured: &'a Measured,
+    /// Seconds of a frame.
+    seconds: Vec<f64>,
+    /// By which factor tiles took longer than they are taken to cost.
+    slowness: Vec<f64>,
+    /// Seconds of a frame whose tiles take what they are taken to cost: the median.
+    usual: f64,
+    /// What messages cost beside such tiles.
+    costs: Costs,
+}
+
+impl<'a> Alone<'a> {
+    fn new(measured: &'a Measured, costs: &Costs, tiles: &TileCosts) -> Alone<'a> {
+        let seconds = measured.seconds();
+        let slowness: Vec<f64> = measured.rounds().map(|streams| tiles.slowness_of_all(streams)).collect();
+        let usual: Vec<f64> =
+            seconds.iter().zip(&slowness).map(|(seconds, slowness)| seconds / slowness).collect();
+        let seen =
+            |(streams, &slowness): (&[FrameStats], &f64)| costs.seen_in(streams, measured.schedule, slowness);
+        let seen: Vec<Costs> = measured.rounds().zip(&slowness).map(seen).collect();
+        let costs = Costs::median(&seen).unwrap_or(*costs);
+        Alone { measured, seconds, usual: median(&usual), slowness, costs }
+    }
+}
+
+impl Study<'_> {
+    /// One for each number of workers.
+    pub(super) fn rows(&self, schedule: Schedule, tiles: &TileCosts) -> Vec<ScalingRow> {
+        let of = |workers| self.rounds.all.iter().find(|m| m.workers == workers && m.schedule == schedule);
+        let Some(one) = of(1) else { return vec![] };
+        let alone = Alone::new(one, self.costs, tiles);
+        let row = |&workers: &usize| match of(workers) {
+            Some(measured) => self.measured(measured, &alone, tiles),
+            None => self.simulated(&alone, workers, tiles),
+        };
+        self.options.workers.iter().map(row).collect()
+    }
+
+    fn measured(&self, measured: &Measured, alone: &Alone, tiles: &TileCosts) -> ScalingRow {
+        let (workers, seconds) = (measured.workers, measured.seconds());
+        let against = |one: f64, many: f64| one / (workers as f64 * many);
+        let ratios: Vec<f64> =
+            alone.seconds.iter().zip(&seconds).map(|(&one, &many)| against(one, many)).collect();
+        let predict = |(round, seen): (usize, Vec<f64>)| {
+            let slowness = self.apart_from_master(alone, &seen, tiles);
+            let many = self.predict(alone, &slowness, tiles).per_frame();
+            against(alone.seconds[round], many * alone.slowness[round])
+        };
+        // One worker against itself, which no rounding should tell from 1.
+        let predictions: Vec<f64> = match workers {
+            1 => vec![1.0; ratios.len()],
+            _ => measured.slowness(alone.measured).into_iter().enumerate().map(predict).collect(),
+        };
+        let apart: Vec<f64> = predictions.iter().zip(&ratios).map(|(said, is)| said - is).collect();
+        ScalingRow {
+            simulated: false,
+            efficiency: median(&ratios),
+            fastest: against(least(&alone.seconds), least(&seconds)),
+            seconds,
+            inflation: if workers == 1 { 1.0 } else { measured.inflation(alone.measured) },
+            predicted: Some(median(&predictions)),
+            apart: Some(Spread::of(&apart)),
+            frame: measured.median_stream().clone(),
+            ..self.row(measured.schedule, workers)
+        }
+    }
+
+    /// How slow each worker is if its tiles took `seen` times as long: without what the master takes from them, which is not
+    /// the machine's, but the simulator's to find. Solved for by trial, since the slower everything is, the more that is.
+    fn apart_from_master(&self, alone: &Alone, seen: &[f64], tiles: &TileCosts) -> Vec<f64> {
+        let mut slowness = vec![1.0; seen.len()];
+        for _ in 0..TRIALS {
+            let stream = self.predict(alone, &slowness, tiles);
+            for ((own, seen), simulated) in slowness.iter_mut().zip(seen).zip(tiles.slowness(&stream)) {
+                *own = (*own * seen / simulated).max(LEAST_INFLATION);
+            }
+        }
+        slowness
+    }
+
+    fn simulated(&self, alone: &Alone, workers: usize, tiles: &TileCosts) -> ScalingRow {
+        let inflation = self.options.inflation;
+        let frame = self.predict(alone, &vec![inflation; workers], tiles);
+        let efficiency = alone.usual / (workers as f64 * frame.per_frame());
+        ScalingRow {
+            simulated: true,
+            seconds: vec![frame.per_frame()],
+            efficiency,
+            fastest: efficiency,
+            inflation,
+            frame,
+            ..self.row(alone.measured.schedule, workers)
+        }
+    }
+
+    /// The stream of workers of such slowness as the simulator has it.
+    fn predict(&self, alone: &Alone, slowness: &[f64], tiles: &TileCosts) -> FrameStats {
+        let workers = slowness.len();
+        let costs = match self.options.network {
+            // What slows tiles down slows down everything else on the same cores.
+            _ if workers <= self.cores => alone.costs.slower(slowness.iter().sum::<f64>() / workers as f64),
+            Some((latency, bits)) => self.costs.on_network(latency, bits),
+            None => alone.costs.on_cores(workers),
+        };
+        let longest = if workers <= self.cores { LONGEST_MEASURED } else { LONGEST_SIMULATED };
+        let flow = self.options.flow.of(workers, longest);
+        tiles.simulate(alone.measured.schedule, slowness, flow, self.base, &costs)
+    }
+
+    /// What is known of a row before it is measured or simulated.
+    fn row(&self, schedule: Schedule, workers: usize) -> ScalingRow {
+        let thesis = self.options.thesis_scene.as_deref();
+        ScalingRow {
+            scene: self.scene.name.clone(),
+            schedule,
+            workers,
+            simulated: false,
+            seconds: vec![],
+            efficiency: f64::NAN,
+            fastest: f64::NAN,
+            inflation: 1.0,
+            predicted: None,
+            apart: None,
+            frame: FrameStats::default(),
+            thesis: thesis.and_then(|name| thesis_figure(name, schedule.strategy, workers)),
+        }
+    }
+}
+
+fn least(samples: &[f64]) -> f64 {
+    samples.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::measure::Rounds;
+    use super::*;
+    use crate::schedule::{SharedCore, Span};
+    use crate::tile::{self, Order};
+
+    const SHARED: SharedCore = SharedCore {
+        send: 0.012,
+        latency: 0.009,
+        interrupt: 0.015,
+        switch: 0.008,
+        reply: 0.01,
+        back: 0.02,
+        wait: 0.07,
+        late: 0.0,
+        delay: 0.0,
+    };
+
+    /// Costs of about the size of real ones, in milliseconds.
+    const COSTS: Costs = Costs {
+        prepare: 0.02,
+        send: 0.014,
+        reply: 0.014,
+        to_master: 0.03,
+        to_worker: 0.03,
+        collect: 0.005,
+        collect_tile: 0.0,
+        tile: 0.0,
+        steal: 0.0,
+        // Nothing is late: when that falls is a matter of chance.
+        shared: SHARED,
+        copying: SHARED,
+        per_byte: 4e-7,
+        cores: 2,
+    };
+
+    /// Efficiency of two workers of such slowness as the simulator alone has it, and as the study finds it predicted that
+    /// takes the simulator's streams for measured ones.
+    fn found(schedule: Schedule, slowness: [f64; 2]) -> [f64; 2] {
+        let flow = Flow { frames: 2, in_flight: 2 };
+        let base = tile::tiles(512, 512, 64, Order::Hilbert);
+        let cost = |(i, &tile): (usize, &Tile)| Span {
+            frame: 0,
+            worker: 0,
+            tile,
+            start: 0.0,
+            end: 0.2 + 0.01 * (i % 7) as f64,
+        };
+        let seen = FrameStats {
+            frames: 1,
+            spans: base.iter().enumerate().map(cost).collect(),
+            ..FrameStats::default()
+        };
+        let tiles = TileCosts::new(&base, [&seen]);
+        let measured = |workers| Measured { schedule, workers, streams: vec![] };
+        let mut all = vec![measured(1), measured(2)];
+        // In the second round everything takes longer, and more so in the third one.
+        for pace in [1.0, 1.3, 1.7] {
+            let one = tiles.simulate(schedule, &[pace], flow, &base, &COSTS.slower(pace));
+            all[0].streams.extend([one.clone(), one]);
+            let paces = slowness.map(|slowness| slowness * pace);
+            let slower = COSTS.slower((paces[0] + paces[1]) / 2.0);
+            let two = tiles.simulate(schedule, &paces, flow.of(2, LONGEST_MEASURED), &base, &slower);
+            all[1].streams.push(two);
+        }
+        let rounds = Rounds { all, ..Rounds::default() };
+        let options = ScalingOptions {
+            render: crate::study::accuracy::options(),
+            schedules: vec![schedule],
+            workers: vec![1, 2],
+            rounds: 1,
+            flow,
+            inflation: 1.0,
+            network: None,
+            thesis_scene: None,
+        };
+        let scene = Scene::default();
+        let study =
+            Study { scene: &scene, options: &options, costs: &COSTS, cores: 2, rounds: &rounds, base: &base };
+        let rows = study.rows(schedule, &tiles);
+        assert_eq!((rows[0].efficiency, rows[0].inflation, rows[0].predicted), (1.0, 1.0, Some(1.0)));
+        [rows[1].efficiency, rows[1].predicted.unwrap()]
+    }
+
+    #[test]
+    fn what_the_simulator_made_it_predicts_though_workers_are_slow_and_the_master_interrupts_them() {
+        for schedule in Schedule::all() {
+            for slowness in [[1.0, 1.0], [1.0, 1.3], [1.4, 1.2]] {
+                let [efficiency, predicted] = found(schedule, slowness);
+                assert!(
+                    (efficiency - predicted).abs() < 0.01,
+                    "{schedule:?} {slowness:?}: {efficiency} {predicted}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_least_sample_is_found() {
+        assert_eq!(least(&[3.0, 1.0, 2.0]), 1.0);
+    }
+}

@@ -278,7 +278,7 @@ mod tests {
                 (scratch.tile.gave_up(), scratch.apart.is_some(), scratch.pace.left)
             };
             with_packet("hairball@0.3", 16, |bvh, packet| {
-                assert_eq!(flown(bvh, packet), (true, true, 1), "{isa}")
+                assert_eq!(flown(bvh, packet), (true, true, 1), "{isa}");
             });
             with_packet("atrium@0.2", 512, |bvh, packet| {
                 assert_eq!(flown(bvh, packet), (false, false, 0), "{isa}");

@@ -15,8 +15,8 @@
 mod bench;
 
 use crate::math::median;
+pub use bench::Load;
 use bench::{Bench, LATE, Trip};
-use std::time::Duration;
 
 /// Of who goes on after sending there are so many times as many messages: what is late is rare.
 const MORE: usize = 3;
@@ -40,6 +40,8 @@ pub struct SharedCore {
     pub back: f64,
     /// For how long the sender waited for all that. Who waits for longer is on a core that sleeps deeper.
     pub wait: f64,
+    /// What the reader did for a message from the other core, and from its own.
+    pub work: [f64; 2],
     /// Share of messages that are late where who computes does not wait for answers.
     pub late: f64,
     /// By how much they are, on average.
@@ -50,7 +52,8 @@ impl SharedCore {
     /// Where nothing is ever late, and answers to other cores are as dear as where the reader has a core of its own.
     pub const fn punctual(send: f64, latency: f64, interrupt: f64, switch: f64) -> SharedCore {
         let (reply, back, wait) = (0.0, 0.0, 0.0);
-        SharedCore { send, latency, interrupt, switch, reply, back, wait, late: 0.0, delay: 0.0 }
+        let (work, late, delay) = ([0.0; 2], 0.0, 0.0);
+        SharedCore { send, latency, interrupt, switch, reply, back, wait, work, late, delay }
     }
 
     /// The same where everything takes `factor` times as long. A time slice is still a time slice.
@@ -63,24 +66,26 @@ impl SharedCore {
             reply: self.reply * factor,
             back: self.back * factor,
             wait: self.wait * factor,
+            work: self.work.map(|work| work * factor),
             ..self
         }
     }
 }
 
 /// Measures them with `rounds` messages and more from `other` to a thread on `core`, where another thread computes and sends as
-/// many; the reader has `work` seconds to do for each. `None` if threads cannot be pinned to these CPUs.
+/// many; the reader has `load` to do for each. `None` if threads cannot be pinned to these CPUs.
 ///
 /// # Panics
-/// If `rounds` is 0, or `work` is not a duration.
-pub fn shared_core_seconds(rounds: usize, core: usize, other: usize, work: f64) -> Option<SharedCore> {
-    let work = Duration::from_secs_f64(work);
-    let (theirs, own) = Bench::new(work, true).messages(rounds, core, other)?;
-    let (unanswered, _) = Bench::new(work, false).messages(MORE * rounds, core, other)?;
+/// If `rounds` is 0.
+pub fn shared_core_seconds(rounds: usize, core: usize, other: usize, load: &dyn Load) -> Option<SharedCore> {
+    let (theirs, own) = Bench::new(load, true).messages(rounds, core, other)?;
+    let (unanswered, _) = Bench::new(load, false).messages(MORE * rounds, core, other)?;
     let usual = |part: fn(&Trip) -> f64| -> Vec<f64> {
         theirs.iter().filter(|trip| trip.is_usual()).map(part).collect()
     };
-    let waited: Vec<f64> = own.iter().filter(|trip| trip.is_usual()).map(|trip| trip.wait).collect();
+    let of_own = |part: fn(&Trip) -> f64| -> Vec<f64> {
+        own.iter().filter(|trip| trip.is_usual()).map(part).collect()
+    };
     let latencies: Vec<f64> = unanswered.iter().filter(|trip| trip.asleep).map(|trip| trip.latency).collect();
     let late: Vec<f64> = latencies.iter().map(|&latency| f64::from(u8::from(latency > LATE))).collect();
     let delays: Vec<f64> = latencies.into_iter().filter(|&latency| latency > LATE).collect();
@@ -89,10 +94,11 @@ pub fn shared_core_seconds(rounds: usize, core: usize, other: usize, work: f64) 
         send: typical(&usual(|trip| trip.send)),
         latency: typical(&usual(|trip| trip.latency)),
         interrupt: typical(&usual(|trip| trip.gap - trip.work - trip.reply)).max(0.0),
-        switch: (typical(&waited) - work.as_secs_f64()).max(0.0),
+        switch: typical(&of_own(|trip| trip.wait - trip.work)).max(0.0),
         reply: typical(&usual(|trip| trip.reply)),
         back: typical(&usual(|trip| trip.back)).max(0.0),
         wait: typical(&usual(|trip| trip.wait)),
+        work: [typical(&usual(|trip| trip.work)), typical(&of_own(|trip| trip.work))],
         late,
         delay: if late > 0.0 { mean(&delays) } else { 0.0 },
     })
@@ -113,21 +119,23 @@ fn mean(seconds: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::time::Duration;
 
     #[test]
     fn every_part_is_seen_or_nothing_is() {
         let cpus: Vec<usize> =
             core_affinity::get_core_ids().unwrap_or_default().iter().map(|core| core.id).collect();
         let [core, other, ..] = cpus[..] else { return };
-        let shared = shared_core_seconds(50, core, other, 1e-5).unwrap();
-        let SharedCore { send, latency, interrupt, switch, reply, back, wait, late, delay } = shared;
+        let shared = shared_core_seconds(50, core, other, &Duration::from_micros(10)).unwrap();
+        let SharedCore { send, latency, interrupt, switch, reply, back, wait, work, late, delay } = shared;
         // On a busy machine it may be that no message is alone.
         for seconds in [send, latency, interrupt, switch, reply, back, wait] {
             assert!((0.0..1.0).contains(&seconds), "{shared:?}");
         }
         assert!(wait == 0.0 || wait > 1e-5, "{shared:?}");
+        assert!(work.into_iter().all(|work| work == 0.0 || work >= 1e-5), "{shared:?}");
         assert!((0.0..=1.0).contains(&late) && if late > 0.0 { delay > LATE } else { delay == 0.0 });
-        assert_eq!(shared_core_seconds(1, usize::MAX, other, 0.0), None, "no such CPU");
+        assert_eq!(shared_core_seconds(1, usize::MAX, other, &Duration::ZERO), None, "no such CPU");
     }
 
     #[test]
@@ -149,6 +157,7 @@ mod tests {
             reply: 5.0 * k,
             back: 6.0 * k,
             wait: 7.0 * k,
+            work: [8.0 * k, 9.0 * k],
             late: 0.5,
             delay: 3.0,
         };

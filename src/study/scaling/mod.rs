@@ -18,7 +18,7 @@ use crate::{
     math::{Spread, median},
     render::{RenderOptions, Stage},
     scene::Scene,
-    schedule::{Control, FilmMode, FrameStats, Machine, Schedule},
+    schedule::{Control, FrameStats, Machine, Schedule},
 };
 use measure::{Method, TileCosts};
 use rows::Study;
@@ -138,12 +138,6 @@ pub fn scaling(
     let mut rows = vec![];
     for film in measure::films(&options.schedules) {
         let alone = || rounds.all.iter().filter(|m| m.workers == 1 && m.schedule.film == film);
-        let costs = &match film {
-            FilmMode::Shared => *costs,
-            FilmMode::Messages => {
-                costs.copying_as_in(alone().map(|m| (m.schedule, &m.streams[..])), method.pin)
-            }
-        };
         let streams = alone().flat_map(|m| &m.streams).chain(rounds.smaller.get(&film).into_iter().flatten());
         let tiles = TileCosts::new(&base, streams);
         let study = Study { scene, options, costs, cores, rounds: &rounds, base: &base };
@@ -157,7 +151,7 @@ pub fn scaling(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::schedule::{Idle, Pinned, Strategy, WorkerStats};
+    use crate::schedule::{FilmMode, Idle, Pinned, Strategy, WorkerStats};
 
     #[test]
     fn what_limits_a_frame_is_told_by_its_mean_share() {

@@ -165,7 +165,7 @@ fn least(samples: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::measure::Rounds;
+    use super::super::Flow;
     use super::*;
     use crate::schedule::{SharedCore, Span};
     use crate::tile::{self, Order};
@@ -178,6 +178,7 @@ mod tests {
         reply: 0.01,
         back: 0.02,
         wait: 0.07,
+        work: [0.0; 2],
         late: 0.0,
         delay: 0.0,
     };
@@ -197,6 +198,7 @@ mod tests {
         shared: SHARED,
         copying: SHARED,
         per_byte: 4e-7,
+        copied: [3e-7, 2e-7],
         cores: 2,
     };
 

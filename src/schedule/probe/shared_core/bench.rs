@@ -17,6 +17,23 @@ const MEMORY: usize = 2 << 20;
 /// Bytes between two looks at the clock, a microsecond or two.
 const STRIDE: usize = 8 << 10;
 
+/// What is done with a message.
+pub trait Load: Sync {
+    /// By its sender, 0 or 1, before it is sent.
+    fn fill(&self, _sender: usize) {}
+
+    /// By who gets it.
+    fn take(&self, sender: usize);
+}
+
+/// As long as that.
+impl Load for Duration {
+    fn take(&self, _sender: usize) {
+        let start = Instant::now();
+        while start.elapsed() < *self {}
+    }
+}
+
 /// Who sends.
 const THEIRS: usize = 0;
 const OWN: usize = 1;
@@ -52,8 +69,8 @@ struct Times {
     answered: AtomicU64,
 }
 
-pub(super) struct Bench {
-    work: Duration,
+pub(super) struct Bench<'a> {
+    load: &'a dyn Load,
     /// Whoever sends sleeps until the answer comes.
     waits: bool,
     inbox: Inbox<()>,
@@ -69,10 +86,10 @@ pub(super) struct Bench {
     memory: Vec<u64>,
 }
 
-impl Bench {
-    pub(super) fn new(work: Duration, waits: bool) -> Bench {
+impl<'a> Bench<'a> {
+    pub(super) fn new(load: &'a dyn Load, waits: bool) -> Bench<'a> {
         Bench {
-            work,
+            load,
             waits,
             inbox: Inbox::new(),
             desks: [Desk::new(), Desk::new()],
@@ -133,7 +150,7 @@ impl Bench {
                 self.begun.fetch_add(1, Relaxed);
                 let times = &self.times[worker];
                 times.read.store(self.now(), Relaxed);
-                self.wait_for(self.work);
+                self.load.take(worker);
                 times.done.store(self.now(), Relaxed);
                 self.desks[worker].lay(Some(parcel), None);
                 times.answered.store(self.now(), Relaxed);
@@ -154,6 +171,7 @@ impl Bench {
             self.gap.fetch_max(now - last, Relaxed);
             last = now;
             if now > next {
+                self.load.fill(OWN);
                 let Some(trip) = self.trip(OWN) else { break };
                 own.push(trip);
                 last = self.now();
@@ -168,6 +186,7 @@ impl Bench {
         while self.now() < end {
             self.walk(place);
         }
+        self.load.fill(THEIRS);
         self.gap.store(0, Relaxed);
         let trip = self.trip(THEIRS)?;
         // Until who was interrupted computes again.
@@ -196,14 +215,15 @@ impl Bench {
         // The reader's own clock may be a moment behind on the other core; on the same one it waits for this to end.
         while sender == THEIRS && times.answered.load(Relaxed) == 0 && !self.over.load(Relaxed) {}
         let [read, done, answered] =
-            [&times.read, &times.done, &times.answered].map(|time| time.load(Relaxed).max(posted));
+            [&times.read, &times.done, &times.answered].map(|time| time.load(Relaxed));
         let seconds = |from: u64, to: u64| (to as f64 - from as f64) * 1e-9;
         Some(Trip {
             send: seconds(sent, posted),
-            latency: seconds(posted, read),
+            // On the same core, the reader may be done before the sender goes on.
+            latency: seconds(posted, read.max(posted)),
             work: seconds(read, done),
             reply: seconds(done, answered),
-            back: seconds(answered, back),
+            back: seconds(answered.max(posted), back),
             wait: seconds(sent, back),
             gap: 0.0,
             asleep: begun == ended,

@@ -3,14 +3,17 @@
 use super::{Costs, NOTHING};
 use crate::error::Result;
 use crate::film::Film;
-use crate::math::median;
 use crate::schedule::{
-    Control, FilmMode, FrameStats, Machine, Placement, Schedule, SharedCore, Strategy, TileTask,
+    Control, FilmMode, FrameStats, Load, Machine, Placement, Schedule, SharedCore, Strategy, TileTask,
     pin_current_thread, shared_core_seconds, steal_seconds, with_workers,
 };
 use crate::tile::{Order, Tile, tiles};
-use std::sync::mpsc;
-use std::time::Instant;
+use std::sync::{
+    Mutex, PoisonError,
+    atomic::{AtomicUsize, Ordering},
+    mpsc,
+};
+use std::time::{Duration, Instant};
 
 /// Frames per measurement.
 const FRAMES: usize = 21;
@@ -22,8 +25,9 @@ const SIDE: u32 = 128;
 const ANSWERED_SIDE: u32 = 32;
 /// ... and where the time per frame matters.
 const SMALL_SIDE: u32 = 16;
-/// Of a tile of 64x64 pixels.
-const TILE_BYTES: f64 = 64.0 * 64.0 * 12.0;
+/// Side of a tile whose pixels are copied.
+const SIDE_OF_TILE: u32 = 64;
+const TILE_BYTES: f64 = (SIDE_OF_TILE * SIDE_OF_TILE) as f64 * 12.0;
 
 impl Costs {
     /// Measures them, in about four seconds.
@@ -51,37 +55,59 @@ impl Costs {
         let per_byte = copy_seconds_per_byte(pin);
         // To the master and back, each about what waking somebody costs.
         let guess = SharedCore::punctual(send, to_master, 3.0 * send, 2.0 * send);
-        let shared = shared_core(pin, collect).unwrap_or(guess);
-        let seen = Costs {
+        let shared = shared_core(pin, &Duration::from_secs_f64(collect)).unwrap_or(guess);
+        let copying = shared_core(pin, &Copying::new());
+        let copied = copying.map_or([per_byte; 2], |copying| copying.work.map(|work| work / TILE_BYTES));
+        Ok(Costs {
             // The first task wakes the worker.
             prepare: quiet(&small, |stats| (stats.master.frames - reply).max(0.0)),
             steal: steal_seconds(FRAMES),
             shared,
+            copying: copying.unwrap_or(shared),
             per_byte,
+            copied,
             cores: Machine::get().default_workers(),
             ..seen
-        };
-        Ok(seen.sharing_while_copying(collect + per_byte * TILE_BYTES, pin))
+        })
+    }
+}
+
+/// Copies tiles that their sender has just written into a film.
+struct Copying {
+    film: Film,
+    tiles: Vec<Tile>,
+    next: AtomicUsize,
+    planes: [Mutex<Vec<f32>>; 2],
+}
+
+impl Copying {
+    fn new() -> Copying {
+        let planes = || Mutex::new(vec![0.0; 3 * (SIDE_OF_TILE * SIDE_OF_TILE) as usize]);
+        Copying {
+            film: Film::new(1024, 1024),
+            tiles: tiles(1024, 1024, SIDE_OF_TILE, Order::Hilbert),
+            next: AtomicUsize::new(0),
+            planes: [planes(), planes()],
+        }
+    }
+}
+
+impl Load for Copying {
+    fn fill(&self, sender: usize) {
+        self.planes[sender].lock().unwrap_or_else(PoisonError::into_inner).fill(0.5);
     }
 
-    /// The same with [`Costs::copying`] measured for a master who has as much to do for a report of one tile as in these
-    /// streams of one worker. Takes a second.
-    pub(in crate::study::scaling) fn copying_as_in<'a>(
-        self,
-        streams: impl Iterator<Item = (Schedule, &'a [FrameStats])>,
-        pin: bool,
-    ) -> Costs {
-        let work = streams.map(|(schedule, streams)| {
-            let Costs { collect, per_byte, .. } = self.seen_in(streams, schedule, 1.0);
-            collect + per_byte * TILE_BYTES
-        });
-        let work: Vec<f64> = work.collect();
-        if work.is_empty() { self } else { self.sharing_while_copying(median(&work), pin) }
+    fn take(&self, sender: usize) {
+        let tile = self.tiles[self.next.fetch_add(1, Ordering::Relaxed) % self.tiles.len()];
+        let planes = self.planes[sender].lock().unwrap_or_else(PoisonError::into_inner);
+        write(&self.film, tile, &planes);
     }
+}
 
-    fn sharing_while_copying(self, work: f64, pin: bool) -> Costs {
-        Costs { copying: shared_core(pin, work).unwrap_or(self.shared), ..self }
-    }
+fn write(film: &Film, tile: Tile, planes: &[f32]) {
+    let pixels = tile.len();
+    let [r, g, b] = [0, 1, 2].map(|plane| &planes[plane * pixels..][..pixels]);
+    film.write_tile(tile, r, g, b);
 }
 
 /// Seconds per tile of a frame of tiles that do nothing: the scheduler's own, in a quiet moment.
@@ -135,10 +161,10 @@ impl TileTask for Empty {
 }
 
 /// Of the first two cores, if there are two, with so much to do for a report.
-fn shared_core(pin: bool, work: f64) -> Option<SharedCore> {
+fn shared_core(pin: bool, load: &dyn Load) -> Option<SharedCore> {
     let placement = Placement::new(Machine::get(), Some(2), pin);
     match placement.slots() {
-        &[Some(other), Some(core)] => shared_core_seconds(MESSAGES, core, other, work),
+        &[Some(other), Some(core)] => shared_core_seconds(MESSAGES, core, other, load),
         _ => None,
     }
 }
@@ -146,14 +172,14 @@ fn shared_core(pin: bool, work: f64) -> Option<SharedCore> {
 /// Of tiles that another core has just written, as a worker does.
 fn copy_seconds_per_byte(pin: bool) -> f64 {
     let film = Film::new(1024, 1024);
-    let (side, tiles) = (64, tiles(1024, 1024, 64, Order::Hilbert));
+    let tiles = tiles(1024, 1024, SIDE_OF_TILE, Order::Hilbert);
     let placement = Placement::new(Machine::get(), Some(2), pin);
     let pin = |slot: usize| pin_current_thread(placement.slots()[slot]);
     let (fill, filled) = mpsc::channel();
     let (empty, emptied) = mpsc::channel();
     let worker = move || {
         pin(0);
-        let mut planes = vec![0.0f32; 3 * side * side];
+        let mut planes = vec![0.0f32; 3 * (SIDE_OF_TILE * SIDE_OF_TILE) as usize];
         loop {
             planes.fill(0.5);
             if fill.send(planes).is_err() {
@@ -167,9 +193,8 @@ fn copy_seconds_per_byte(pin: bool) -> f64 {
         pin(1);
         let mut copy = |&tile: &Tile| {
             let Ok(planes) = filled.recv() else { return 0.0 };
-            let [r, g, b] = [0, 1, 2].map(|plane| &planes[plane * side * side..][..side * side]);
             let start = Instant::now();
-            film.write_tile(tile, r, g, b);
+            write(&film, tile, &planes);
             let seconds = start.elapsed().as_secs_f64();
             let _ = empty.send(planes);
             seconds

@@ -123,7 +123,11 @@ impl Simulation<'_> {
         let late = if host.is_some() && woken { self.lateness() } else { 0.0 };
         let mut work = self.costs.collect + report.tiles as f64 * self.costs.collect_tile;
         if self.schedule.film == FilmMode::Messages {
-            work += report.pixels as f64 * 12.0 * self.costs.per_byte;
+            let byte = match self.host() {
+                Some(host) => self.costs.copied[usize::from(host == report.worker)],
+                None => self.costs.per_byte,
+            };
+            work += report.pixels as f64 * 12.0 * byte;
         }
         self.late_until = now + late;
         self.master_free = self.late_until + work;

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::schedule::CostMap;
+use crate::schedule::{FilmMode, SharedCore};
 use crate::study::scaling::costs::NOTHING;
 use crate::tile::{Order, Tile, tiles};
 
@@ -109,6 +110,15 @@ fn a_master_that_copies_for_too_long_holds_everybody_up() {
             FilmMode::Shared => assert!(seconds < 300.0, "{schedule:?} {seconds}"),
         }
     }
+}
+
+#[test]
+fn by_hand_pixels_cost_what_copying_them_costs_where_the_master_is() {
+    let schedule = Schedule { strategy: Strategy::StaticCyclic, film: FilmMode::Messages };
+    let costs = Costs { per_byte: 0.5, copied: [0.25, 0.125], ..FREE };
+    let reports = |cores| frame(schedule, 2, 16, &Costs { cores, ..costs }).master.reports;
+    // Sixteen tiles of 192 bytes, half of them by the worker on the master's own core, if it has none of its own.
+    assert_eq!((reports(3), reports(2)), (16.0 * 96.0, 8.0 * 48.0 + 8.0 * 24.0));
 }
 
 #[test]

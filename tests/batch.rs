@@ -75,19 +75,23 @@ fn same(a: &Hit, b: &Hit) -> bool {
 /// Compares batches with single rays; returns the number of hits.
 fn compare(mesh: &TriangleMesh, kernels: Kernels, rays: &[Ray], threads: usize) -> usize {
     let bvh = Bvh::build(mesh, BuildPreset::Fast).unwrap();
-    let traversal = Traversal::new(&bvh, kernels, KernelChoice::Tile);
-    // Something that no result equals, so that a ray left out is found.
-    let mut hits = vec![Hit { prim: 12_345, t: -1.0, u: -1.0, v: -1.0 }; rays.len()];
-    let mut blocked = vec![2; rays.len()];
-    traversal.intersect_batch(rays, &mut hits, threads, &|_| ());
-    traversal.occluded_batch(rays, &mut blocked, threads, &|_| ());
-    for (i, ray) in rays.iter().enumerate() {
-        let expected = traversal.intersect_ray(ray);
-        let isa = kernels.isa();
-        assert!(same(&hits[i], &expected), "{isa}, ray {i} {ray:?}: {:?} instead of {expected:?}", hits[i]);
-        assert_eq!(blocked[i], u8::from(expected.prim != MISS), "{isa}, ray {i} {ray:?}");
+    let traversal = |kernel| Traversal::new(&bvh, kernels, kernel);
+    let expected: Vec<Hit> =
+        rays.iter().map(|ray| traversal(KernelChoice::Single).intersect_ray(ray)).collect();
+    for kernel in KernelChoice::ALL {
+        // Something that no result equals, so that a ray left out is found.
+        let mut hits = vec![Hit { prim: 12_345, t: -1.0, u: -1.0, v: -1.0 }; rays.len()];
+        let mut blocked = vec![2; rays.len()];
+        traversal(kernel).intersect_batch(rays, &mut hits, threads, &|_| ());
+        traversal(kernel).occluded_batch(rays, &mut blocked, threads, &|_| ());
+        for (i, (ray, expected)) in rays.iter().zip(&expected).enumerate() {
+            let isa = kernels.isa();
+            let (hit, blocked) = (&hits[i], blocked[i]);
+            assert!(same(hit, expected), "{isa}, {kernel}, ray {i} {ray:?}: {hit:?}, not {expected:?}");
+            assert_eq!(blocked, u8::from(expected.prim != MISS), "{isa}, {kernel}, ray {i} {ray:?}");
+        }
     }
-    hits.iter().filter(|hit| hit.prim != MISS).count()
+    expected.iter().filter(|hit| hit.prim != MISS).count()
 }
 
 #[test]

@@ -35,10 +35,10 @@ fn every_built_in_scene_has_one_image() {
         let scene = scene(name);
         let want = hash(&scene, &RENDER);
         for isa in Isa::available() {
-            let tile = RenderOptions { isa: Some(isa), threads: Some(2), tile: 48, ..RENDER };
-            assert_eq!(hash(&scene, &tile), want, "{name}, {isa}, tile kernel");
-            let single = RenderOptions { isa: Some(isa), kernel: KernelChoice::Single, ..RENDER };
-            assert_eq!(hash(&scene, &single), want, "{name}, {isa}, single rays");
+            for (kernel, tile) in KernelChoice::ALL.into_iter().zip([48, 64, 32]) {
+                let options = RenderOptions { isa: Some(isa), threads: Some(2), tile, kernel, ..RENDER };
+                assert_eq!(hash(&scene, &options), want, "{name}, {isa}, {kernel}");
+            }
         }
     }
 }

@@ -181,7 +181,7 @@ fn every_kind_of_light_has_one_image() {
         let scene = scene(light);
         let want = film(&scene, None, KernelChoice::Tile, 64).1;
         for isa in Isa::available() {
-            for kernel in [KernelChoice::Tile, KernelChoice::Single] {
+            for kernel in KernelChoice::ALL {
                 for tile in [16, 23] {
                     assert_eq!(
                         film(&scene, Some(isa), kernel, tile).1,

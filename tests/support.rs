@@ -15,7 +15,7 @@ use irt::{
 /// A small image, the plainest way: what tests of images change a little.
 pub(crate) const RENDER: RenderOptions = RenderOptions {
     isa: None,
-    kernel: KernelChoice::Tile,
+    kernel: KernelChoice::Auto,
     visibility: Visibility::Exact,
     threads: Some(1),
     pin: false,

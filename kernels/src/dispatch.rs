@@ -94,7 +94,8 @@ impl Kernels {
         self.visibility
     }
 
-    /// First hits of the active rays of a packet; hits of other rays are left as they are.
+    /// First hits of the active rays of a packet; hits of other rays are left as they are, and all are if the packet is given up
+    /// (see [`TileScratch::set_budget`]).
     #[inline]
     pub fn tile_intersect(
         &self,
@@ -110,7 +111,8 @@ impl Kernels {
     /// Which active rays of a packet something blocks within `tfar`: bit `i` of `blocked[s]` is ray `16 s + i`.
     ///
     /// `seed` is a leaf to try first (often what blocked the previous packet), or [`crate::EMPTY_NODE`]; it is replaced
-    /// by a leaf that blocked a ray last. It affects time only.
+    /// by a leaf that blocked a ray last. It affects time only, and with it whether a packet is given up: some blocked rays are not
+    /// told then.
     #[inline]
     pub fn tile_occluded(
         &self,

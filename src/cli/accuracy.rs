@@ -78,6 +78,10 @@ fn effort(args: &AccuracyArgs) -> Effort {
     let least = args.rounds.unwrap_or(effort.patience.least);
     let side = args.side.unwrap_or(effort.side);
     let rays = args.rays.unwrap_or(effort.aimed[0]);
+    let asked = args.side.is_some()
+        || rays > effort.aimed[0]
+        || args.rounds.is_some()
+        || args.converged > effort.converged;
     Effort {
         side,
         reference_side: effort.reference_side.min(side),
@@ -85,8 +89,8 @@ fn effort(args: &AccuracyArgs) -> Effort {
         aimed: [rays, rays.div_ceil(3)],
         patience: Patience { least, most: effort.patience.most.max(least), ..effort.patience },
         dearest: effort.dearest,
-        // Who asks for a size gets it.
-        seconds: if args.side.is_some() { f64::INFINITY } else { effort.seconds },
+        // Who asks for more gets it.
+        seconds: if asked { f64::INFINITY } else { effort.seconds },
     }
 }
 

@@ -293,7 +293,8 @@ pub(super) struct EngineArgs {
     /// Time to spend on the tree
     #[arg(long, default_value = BuildPreset::default().name(), value_parser = one_of::<BuildPreset>())]
     pub(super) build: BuildPreset,
-    /// Which searches of the tile kernel end early: none, or some of pet-bound, pet-seed, set, occ, area
+    /// Which searches of the tile kernel end early: none, or some of pet-bound, pet-seed, set, occ, area; all but the default
+    /// make --kernel auto the tile kernel
     #[arg(long, value_name = "LIST", default_value_t = EarlyTermination::default())]
     pub(super) early_termination: EarlyTermination,
     /// Effects to simulate: auto takes those that the scene calls for, all the same by the kernel for all effects, a list

@@ -85,7 +85,8 @@ pub(super) struct AccuracyArgs {
     /// Smaller images and fewer rounds: less than a minute for a scene on two cores
     #[arg(long)]
     pub(super) quick: bool,
-    /// Longest side of the images in pixels; a quarter of it for scenes whose light takes many rays [default: 512, quick 192]
+    /// Longest side of the images in pixels; a quarter of it for scenes whose light takes many rays [default: 512, quick 192; halved
+    /// where a study would take more than eight minutes, quick 45 s]
     #[arg(
         long, value_name = "N", value_parser = whole(16..=4096u32), allow_negative_numbers = true
     )]
@@ -107,7 +108,7 @@ pub(super) struct AccuracyArgs {
     pub(super) pin: PinArgs,
     #[command(flatten)]
     pub(super) kernels: KernelArgs,
-    /// Rays aimed at closed meshes by each way to trace [default: 2000000, quick 200000]
+    /// Rays aimed at closed meshes by each way to trace [default: 2000000, quick 100000]
     #[arg(
         long, value_name = "N", value_parser = whole(1000..=1_000_000_000u64), allow_negative_numbers = true
     )]

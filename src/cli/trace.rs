@@ -38,7 +38,7 @@ pub(super) fn run(args: &TraceArgs, talk: Talk) -> Result<()> {
     // The machine is enumerated and the tree built before any thread is pinned: pins are inherited.
     let placement = Placement::new(Machine::get(), args.threads, args.pin.pin());
     let bvh = Bvh::build(&scene.mesh, args.build)?;
-    let traversal = Traversal::new(&bvh, kernels, KernelChoice::Tile);
+    let traversal = Traversal::new(&bvh, kernels, KernelChoice::Auto);
     let slots = placement.slots();
     let pin = |thread: usize| {
         pin_current_thread(slots[thread]);

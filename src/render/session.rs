@@ -254,7 +254,7 @@ mod tests {
     fn film(scene: &Scene, of_corners: bool, seed: u64) -> Film {
         let options = RenderOptions {
             isa: None,
-            kernel: KernelChoice::Tile,
+            kernel: KernelChoice::Auto,
             visibility: Visibility::Exact,
             threads: Some(1),
             pin: false,

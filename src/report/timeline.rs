@@ -192,7 +192,7 @@ mod tests {
             shared: SharedCore::punctual(1e-6, 1e-6, 1e-6, 1e-6),
             copying: SharedCore::punctual(1e-6, 1e-6, 1e-6, 1e-6),
             per_byte: 1e-9,
-            copied: [1e-9; 2],
+            copied: None,
             cores: 2,
         };
         let schedule = Schedule { strategy: Strategy::Stealing, film: FilmMode::Shared };

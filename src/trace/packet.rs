@@ -2,7 +2,7 @@
 //! rays.
 //!
 //! The tile kernel counts its work. A packet that takes more than its rays would take one by one is given up and flies
-//! apart, which costs at most twice the better of both. Its neighbours are likely to be no better: the next ones fly apart
+//! apart, which costs about twice the better of both at most where the rate below is right. Its neighbours are likely to be no better: the next ones fly apart
 //! at once, more of them each time that one is given up in a row.
 //!
 //! ```text
@@ -16,12 +16,13 @@
 use super::{KernelChoice, Traversal};
 use crate::kernels::{
     Flight, HitBlock, NodeRef, Pick, RayBlock, SUB, SUBS, TileEarly, TileHits, TilePacket, TileScratch,
+    Visibility,
 };
 
 /// Working memory for tracing packets: one for each thread.
 #[derive(Clone, Debug, Default)]
 pub struct PacketScratch {
-    pub(super) tile: TileScratch,
+    tile: TileScratch,
     apart: Option<Box<Apart>>,
     pace: Pace,
 }
@@ -60,7 +61,8 @@ impl Pace {
 }
 
 /// Units of the tile kernel's work that a ray of a packet is worth. A ray of a flight takes as long as 4 to 16 units where packets are
-/// coherent and 30 to 45 where they are not; 24 costs scenes for which the tile kernel is best at most 2 % (`benches/LOG.md`).
+/// coherent and 30 to 45 where they are not; 24 costs scenes for which the tile kernel is best 1 or 2 % at 1024x1024, up to 4 % at 192x192
+/// (`benches/LOG.md`).
 const WORTH: u32 = 24;
 /// Most packets that fly apart untried.
 const MOST: u32 = 15;
@@ -71,7 +73,7 @@ impl PacketScratch {
         PacketScratch::default()
     }
 
-    /// As [`TileScratch::set_early`].
+    /// As [`TileScratch::set_early`]; rays that fly apart end as early as they can.
     pub fn set_early(&mut self, early: TileEarly) {
         self.tile.set_early(early);
     }
@@ -96,7 +98,7 @@ impl Traversal<'_> {
         match self.choice {
             KernelChoice::Single => return fly(),
             KernelChoice::Auto if pace.flies_apart() => return fly(),
-            KernelChoice::Auto => tile.set_budget(self.budget(packet)),
+            KernelChoice::Auto => tile.set_budget(worth(packet)),
             KernelChoice::Tile => tile.set_budget(u32::MAX),
         }
         let doubts = self.kernels.tile_intersect(&self.view, packet, tile, hits);
@@ -118,7 +120,7 @@ impl Traversal<'_> {
     ) -> u64 {
         let PacketScratch { tile, apart, pace } = scratch;
         match self.choice {
-            KernelChoice::Auto if !pace.flies_apart() => tile.set_budget(self.budget(packet)),
+            KernelChoice::Auto if !pace.flies_apart() => tile.set_budget(worth(packet)),
             KernelChoice::Tile => tile.set_budget(u32::MAX),
             KernelChoice::Single | KernelChoice::Auto => {
                 *blocked = [0; SUBS];
@@ -134,11 +136,16 @@ impl Traversal<'_> {
         doubts + apart.get_or_insert_default().occluded(self, packet, blocked)
     }
 
-    /// The work that a packet is worth.
-    fn budget(&self, packet: &TilePacket) -> u32 {
-        let rays: u32 = packet.active.iter().map(|active| active.count_ones()).sum();
-        rays * WORTH
+    /// Whether what is known from packets before can decide which way a packet goes, and that what its rays hit: what others
+    /// than this tile's rays have left must be forgotten then.
+    pub(super) fn depends_on_order(&self) -> bool {
+        self.choice == KernelChoice::Auto && self.kernels.visibility() == Visibility::Fast
     }
+}
+
+/// The work that a packet is worth.
+fn worth(packet: &TilePacket) -> u32 {
+    packet.active.iter().map(|active| active.count_ones()).sum::<u32>() * WORTH
 }
 
 impl Default for Apart {
@@ -197,9 +204,7 @@ mod tests {
     use super::*;
     use crate::bvh::{BuildPreset, Bvh};
     use crate::camera::Camera;
-    use crate::kernels::{Isa, Kernels, MISS, TILE_RAYS, Visibility};
-
-    const CHOICES: [KernelChoice; 3] = KernelChoice::ALL;
+    use crate::kernels::{Isa, Kernels, MISS, TILE_RAYS};
 
     /// A tree, and a packet that sees all of the scene, or a small part of it.
     fn with_packet(name: &str, side: u32, body: impl Fn(&Bvh, &TilePacket)) {
@@ -239,7 +244,7 @@ mod tests {
             with_packet(name, side, |bvh, packet| {
                 for isa in Isa::available() {
                     let kernels = Kernels::for_isa(isa).unwrap().with_visibility(Visibility::Exact);
-                    let traced = CHOICES.map(|choice| {
+                    let traced = KernelChoice::ALL.map(|choice| {
                         let traversal = Traversal::new(bvh, kernels, choice);
                         let (mut scratch, mut hits) = (PacketScratch::new(), untouched());
                         traversal.intersect(packet, &mut scratch, &mut hits);

@@ -25,7 +25,7 @@ mod terminal;
 /// A small picture, the plainest way.
 pub(super) const OPTIONS: RenderOptions = RenderOptions {
     isa: None,
-    kernel: KernelChoice::Tile,
+    kernel: KernelChoice::Auto,
     visibility: Visibility::Exact,
     threads: Some(2),
     pin: false,

@@ -22,7 +22,7 @@ fn accuracy_tells_times_and_errors_of_every_mode_and_writes_page_maps_and_tables
     let json: Value = serde_json::from_slice(&fs::read(folder.path().join("a.json")).unwrap()).unwrap();
     let number =
         |table: &str, mode: &str, column: &str| rows(&json, table, mode)[0][column].as_f64().unwrap();
-    for same in ["default", "kernel single", "tree slow"] {
+    for same in ["default", "kernel single", "kernel tile", "tree slow"] {
         assert_eq!(rows(&json, "modes", same)[0]["same"], true, "{same}");
         assert_eq!(number("geometry", same, "errors"), 0.0, "{same}");
     }

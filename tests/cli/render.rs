@@ -78,12 +78,13 @@ fn the_image_depends_on_nothing_but_scene_camera_and_size() {
     let hash = |flags: &str| rendered(flags)["frames"][0]["image_sha256"].as_str().unwrap().to_string();
     let expected = hash("");
     let mut all: Vec<String> =
-        ["--threads 1", "--threads 3", "--no-pin", "--order scanline", "--kernel single"]
+        ["--threads 1", "--threads 3", "--no-pin", "--order scanline", "--kernel single", "--kernel tile"]
             .map(String::from)
             .to_vec();
     all.extend(["--tile 1", "--tile 7", "--tile 100", "--build fast", "--build slow"].map(String::from));
     for isa in irt::kernels::Isa::available() {
         all.push(format!("--isa {isa}"));
+        all.push(format!("--isa {isa} --kernel tile"));
         all.push(format!("--isa {isa} --kernel single --order scanline --tile 24"));
     }
     for flags in all {

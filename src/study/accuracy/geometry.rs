@@ -184,6 +184,7 @@ pub(super) fn first_hits(
         .step_by(PACKET_SIDE as usize)
         .flat_map(|y| (0..width).step_by(PACKET_SIDE as usize).map(move |x| (y, x)))
     {
+        scratch.begin();
         let used = camera.rays(&kernels, [left, top], [width - left, height - top], &mut packets);
         for packet in &packets[..used] {
             traversal.intersect(packet, &mut scratch, &mut found);

@@ -17,7 +17,7 @@ use std::fmt;
 pub enum Knob {
     /// How hits are decided.
     Visibility,
-    /// Many rays at once, or one.
+    /// Many rays at once, one, or each packet as it is worth.
     Kernel,
     /// Instruction set.
     Isa,

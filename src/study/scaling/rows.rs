@@ -198,13 +198,20 @@ mod tests {
         shared: SHARED,
         copying: SHARED,
         per_byte: 4e-7,
-        copied: [3e-7, 2e-7],
+        copied: Some([3e-7, 2e-7]),
         cores: 2,
     };
 
     /// Efficiency of two workers of such slowness as the simulator alone has it, and as the study finds it predicted that
     /// takes the simulator's streams for measured ones.
     fn found(schedule: Schedule, slowness: [f64; 2]) -> [f64; 2] {
+        let rows = rows(schedule, slowness, 1.0);
+        assert_eq!((rows[0].efficiency, rows[0].inflation, rows[0].predicted), (1.0, 1.0, Some(1.0)));
+        [rows[1].efficiency, rows[1].predicted.unwrap()]
+    }
+
+    /// Rows of one worker, two of such slowness, and four that are simulated with this inflation.
+    fn rows(schedule: Schedule, slowness: [f64; 2], inflation: f64) -> Vec<ScalingRow> {
         let flow = Flow { frames: 2, in_flight: 2 };
         let base = tile::tiles(512, 512, 64, Order::Hilbert);
         let cost = |(i, &tile): (usize, &Tile)| Span {
@@ -235,19 +242,17 @@ mod tests {
         let options = ScalingOptions {
             render: crate::study::accuracy::options(),
             schedules: vec![schedule],
-            workers: vec![1, 2],
+            workers: vec![1, 2, 4],
             rounds: 1,
             flow,
-            inflation: 1.0,
+            inflation,
             network: None,
             thesis_scene: None,
         };
         let scene = Scene::default();
         let study =
             Study { scene: &scene, options: &options, costs: &COSTS, cores: 2, rounds: &rounds, base: &base };
-        let rows = study.rows(schedule, &tiles);
-        assert_eq!((rows[0].efficiency, rows[0].inflation, rows[0].predicted), (1.0, 1.0, Some(1.0)));
-        [rows[1].efficiency, rows[1].predicted.unwrap()]
+        study.rows(schedule, &tiles)
     }
 
     #[test]
@@ -261,6 +266,20 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn simulated_efficiency_is_against_the_usual_single_worker_and_obeys_inflation() {
+        let efficiency = |inflation| {
+            let row = rows(Schedule::default(), [1.0, 1.0], inflation).remove(2);
+            assert!(row.simulated && row.workers == 4 && row.predicted.is_none(), "{row:?}");
+            row.efficiency
+        };
+        // Stealing loses next to nothing, though two of three rounds were slow.
+        let plain = efficiency(1.0);
+        assert!(plain > 0.95 && plain < 1.01, "{plain}");
+        let inflated = efficiency(2.0);
+        assert!((inflated - plain / 2.0).abs() < 0.01, "{inflated} {plain}");
     }
 
     #[test]

@@ -98,6 +98,9 @@ impl PointShadows {
         self.regroup(traversal, rays);
         self.packet.org = origin;
         self.scratch.begin();
+        if traversal.depends_on_order() {
+            *seed = NO_OCCLUDER;
+        }
         let mut traced = Traced::default();
         let mut first = 0;
         while let Some(&group) = self.order.get(first) {

@@ -45,7 +45,7 @@ fn values() -> Vec<(&'static str, Vec<&'static str>, bool)> {
         ("pin", words("on off"), true),
         ("isa", isas, true),
         ("visibility", words("fast exact"), false),
-        ("kernel", words("single tile"), true),
+        ("kernel", words("auto single tile"), true),
         (
             "early-termination",
             words("none pet-bound pet-seed set occ pet-bound,pet-seed,set,occ pet-bound,set,occ,area"),

@@ -57,7 +57,9 @@ impl Costs {
         let guess = SharedCore::punctual(send, to_master, 3.0 * send, 2.0 * send);
         let shared = shared_core(pin, &Duration::from_secs_f64(collect)).unwrap_or(guess);
         let copying = shared_core(pin, &Copying::new());
-        let copied = copying.map_or([per_byte; 2], |copying| copying.work.map(|work| work / TILE_BYTES));
+        // On a busy machine it may be that no message was alone.
+        let copied = copying.map(|copying| copying.work.map(|work| work / TILE_BYTES));
+        let copied = copied.filter(|copied| copied.iter().all(|&byte| byte > 0.0));
         Ok(Costs {
             // The first task wakes the worker.
             prepare: quiet(&small, |stats| (stats.master.frames - reply).max(0.0)),

@@ -36,14 +36,15 @@ pub struct Costs {
     pub tile: f64,
     /// A worker, to take half of another's tiles.
     pub steal: f64,
-    /// The same two where the master shares a core with a worker that computes.
+    /// What messages cost where the master shares a core with a worker that computes.
     pub shared: SharedCore,
     /// The same for a master who copies a tile for each report.
     pub copying: SharedCore,
     /// The master, for each byte of pixels that it gets as a message, on a core of its own ...
     pub per_byte: f64,
-    /// ... and on one where a worker computes: of pixels from other cores, and from there. It wakes up less deep asleep.
-    pub copied: [f64; 2],
+    /// ... and on one where a worker computes, which it does not find asleep: of pixels from other cores, and from there. `None`
+    /// if that could not be measured.
+    pub copied: Option<[f64; 2]>,
     /// With at least this many workers the master has no core of its own.
     pub cores: usize,
 }
@@ -75,7 +76,7 @@ impl Costs {
             shared: self.shared.slower(factor),
             copying: self.copying.slower(factor),
             per_byte: self.per_byte * factor,
-            copied: self.copied.map(|byte| byte * factor),
+            copied: self.copied.map(|copied| copied.map(|byte| byte * factor)),
             cores: self.cores,
         }
     }
@@ -151,7 +152,7 @@ pub(super) const NOTHING: Costs = Costs {
     shared: SharedCore::punctual(0.0, 0.0, 0.0, 0.0),
     copying: SharedCore::punctual(0.0, 0.0, 0.0, 0.0),
     per_byte: 0.0,
-    copied: [0.0; 2],
+    copied: None,
     cores: usize::MAX,
 };
 
@@ -177,7 +178,7 @@ mod tests {
             shared: SharedCore::punctual(0.0, 0.0, 0.0, 0.0),
             copying: SharedCore::punctual(1.0, 0.0, 0.0, 0.0),
             per_byte: 0.0,
-            copied: [0.0; 2],
+            copied: None,
             cores: 2,
         };
         // Round trips of ten tiles of 100, but for the last one's answer.
@@ -252,7 +253,7 @@ mod tests {
             shared: SharedCore::punctual(10.0, 11.0, 12.0, 13.0),
             copying: SharedCore::punctual(15.0, 16.0, 17.0, 18.0),
             per_byte: 14.0,
-            copied: [19.0, 20.0],
+            copied: Some([19.0, 20.0]),
             cores: 2,
         };
         let twice = Costs {
@@ -268,7 +269,7 @@ mod tests {
             shared: SharedCore::punctual(20.0, 22.0, 24.0, 26.0),
             copying: SharedCore::punctual(30.0, 32.0, 34.0, 36.0),
             per_byte: 28.0,
-            copied: [38.0, 40.0],
+            copied: Some([38.0, 40.0]),
             cores: 2,
         };
         assert_eq!(costs.slower(2.0), twice);

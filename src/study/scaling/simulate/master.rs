@@ -46,7 +46,7 @@ impl Simulation<'_> {
     }
 
     /// As many tasks as each may have: a first one to each, then a second one.
-    pub(super) fn supply(&mut self) {
+    fn supply(&mut self) {
         for have in 0..self.schedule.strategy.tasks_at_once() {
             for worker in 0..self.workers.len() {
                 if self.workers[worker].due <= have {
@@ -58,7 +58,7 @@ impl Simulation<'_> {
     }
 
     /// The next task of the oldest frame that has one left.
-    pub(super) fn next_task(&mut self) -> Option<Task> {
+    fn next_task(&mut self) -> Option<Task> {
         let replays = self.replays;
         self.flights.iter_mut().find_map(|flight| {
             let run = flight.dealer.next(&replays[flight.replay].plan)?;
@@ -67,7 +67,7 @@ impl Simulation<'_> {
     }
 
     /// The master lays something on a worker's desk, and wakes it if it waits.
-    pub(super) fn lay(&mut self, worker: usize, parcel: bool, task: Option<Task>) {
+    fn lay(&mut self, worker: usize, parcel: bool, task: Option<Task>) {
         let (reply, latency) = self.answer(worker);
         if let Some(Task { frame, .. }) = task
             && let Some(flight) = self.flight(frame)
@@ -93,7 +93,7 @@ impl Simulation<'_> {
     }
 
     /// What it costs the master to wake the worker, and from then on until the worker goes on.
-    pub(super) fn answer(&self, worker: usize) -> (f64, f64) {
+    fn answer(&self, worker: usize) -> (f64, f64) {
         let SharedCore { switch, reply, back, wait, .. } = self.costs.shared;
         let waits = |(start, _)| self.master_free - start;
         match self.host() {
@@ -117,15 +117,15 @@ impl Simulation<'_> {
     }
 
     /// The master begins with a report at `now`, or as soon as it is free. Whoever computes on its core stands still meanwhile.
-    pub(super) fn handle(&mut self, report: Report, now: f64, woken: bool) {
+    fn handle(&mut self, report: Report, now: f64, woken: bool) {
         let now = now.max(self.master_free);
         let (host, waking) = (self.busy_host(now), self.waking_host(now));
         let late = if host.is_some() && woken { self.lateness() } else { 0.0 };
         let mut work = self.costs.collect + report.tiles as f64 * self.costs.collect_tile;
         if self.schedule.film == FilmMode::Messages {
-            let byte = match self.host() {
-                Some(host) => self.costs.copied[usize::from(host == report.worker)],
-                None => self.costs.per_byte,
+            let byte = match (self.host(), self.costs.copied) {
+                (Some(host), Some(copied)) => copied[usize::from(host == report.worker)],
+                _ => self.costs.per_byte,
             };
             work += report.pixels as f64 * 12.0 * byte;
         }
@@ -178,7 +178,7 @@ impl Simulation<'_> {
     }
 
     /// How much later than usual a master on the core of a busy worker wakes up, unless that worker's tile ends before.
-    pub(super) fn lateness(&mut self) -> f64 {
+    fn lateness(&mut self) -> f64 {
         let SharedCore { late, delay, .. } = self.costs.shared;
         self.lateness += late;
         let is_late = self.lateness >= 1.0;

@@ -53,7 +53,7 @@ impl Simulation<'_> {
 
     /// The next tile of the worker's task, of a stealing worker of its own range or the largest other one; with its frame,
     /// and the time when the worker has it.
-    pub(super) fn take_tile(&mut self, worker: usize, now: f64) -> Option<(usize, usize, f64)> {
+    fn take_tile(&mut self, worker: usize, now: f64) -> Option<(usize, usize, f64)> {
         let steal = self.costs.steal;
         let task = self.workers[worker].task.as_mut()?;
         let (frame, own) = (task.frame, &mut task.run);
@@ -105,7 +105,7 @@ impl Simulation<'_> {
     }
 
     /// The worker is on no tile: a master that waits for its turn on the same core has it now. Whether there is one.
-    pub(super) fn give_way(&mut self, worker: usize, now: f64) -> bool {
+    fn give_way(&mut self, worker: usize, now: f64) -> bool {
         let gives = self.host() == Some(worker) && now < self.late_until;
         if gives {
             self.master_free -= self.late_until - now;

@@ -28,30 +28,37 @@ pub(super) struct Study<'a> {
     pub(super) base: &'a [Tile],
 }
 
-/// One worker of a schedule, round by round.
+/// One worker of a schedule.
 struct Alone<'a> {
     measured: &'a Measured,
-    /// Seconds of a frame.
+    /// Seconds of a frame in each round.
     seconds: Vec<f64>,
-    /// By which factor tiles took longer than they are taken to cost.
-    slowness: Vec<f64>,
-    /// Seconds of a frame whose tiles take what they are taken to cost: the median.
-    usual: f64,
-    /// What messages cost beside such tiles.
+    /// The same as the simulator has them, where tiles take what they are taken to cost and messages what they took in that
+    /// round. What it leaves out, it leaves out for several workers, too.
+    simulated: Vec<f64>,
+    /// What messages cost in the median of the rounds, ...
     costs: Costs,
+    /// ... and seconds of a frame with that.
+    usual: f64,
 }
 
 impl<'a> Alone<'a> {
-    fn new(measured: &'a Measured, costs: &Costs, tiles: &TileCosts) -> Alone<'a> {
-        let seconds = measured.seconds();
-        let slowness: Vec<f64> = measured.rounds().map(|streams| tiles.slowness_of_all(streams)).collect();
-        let usual: Vec<f64> =
-            seconds.iter().zip(&slowness).map(|(seconds, slowness)| seconds / slowness).collect();
+    fn new(measured: &'a Measured, study: &Study, tiles: &TileCosts) -> Alone<'a> {
+        let schedule = measured.schedule;
         let seen =
-            |(streams, &slowness): (&[FrameStats], &f64)| costs.seen_in(streams, measured.schedule, slowness);
-        let seen: Vec<Costs> = measured.rounds().zip(&slowness).map(seen).collect();
-        let costs = Costs::median(&seen).unwrap_or(*costs);
-        Alone { measured, seconds, usual: median(&usual), slowness, costs }
+            |streams: &[FrameStats]| study.costs.seen_in(streams, schedule, tiles.slowness_of_all(streams));
+        let seen: Vec<Costs> = measured.rounds().map(seen).collect();
+        let simulate = |costs: &Costs| {
+            tiles.simulate(schedule, &[1.0], study.options.flow, study.base, costs).per_frame()
+        };
+        let costs = Costs::median(&seen).unwrap_or(*study.costs);
+        Alone {
+            measured,
+            seconds: measured.seconds(),
+            simulated: seen.iter().map(simulate).collect(),
+            costs,
+            usual: simulate(&costs),
+        }
     }
 }
 
@@ -60,7 +67,7 @@ impl Study<'_> {
     pub(super) fn rows(&self, schedule: Schedule, tiles: &TileCosts) -> Vec<ScalingRow> {
         let of = |workers| self.rounds.all.iter().find(|m| m.workers == workers && m.schedule == schedule);
         let Some(one) = of(1) else { return vec![] };
-        let alone = Alone::new(one, self.costs, tiles);
+        let alone = Alone::new(one, self, tiles);
         let row = |&workers: &usize| match of(workers) {
             Some(measured) => self.measured(measured, &alone, tiles),
             None => self.simulated(&alone, workers, tiles),
@@ -76,7 +83,7 @@ impl Study<'_> {
         let predict = |(round, seen): (usize, Vec<f64>)| {
             let slowness = self.apart_from_master(alone, &seen, tiles);
             let many = self.predict(alone, &slowness, tiles).per_frame();
-            against(alone.seconds[round], many * alone.slowness[round])
+            against(alone.simulated[round], many)
         };
         // One worker against itself, which no rounding should tell from 1.
         let predictions: Vec<f64> = match workers {

@@ -212,13 +212,14 @@ mod tests {
     /// Efficiency of two workers of such slowness as the simulator alone has it, and as the study finds it predicted that
     /// takes the simulator's streams for measured ones.
     fn found(schedule: Schedule, slowness: [f64; 2]) -> [f64; 2] {
-        let rows = rows(schedule, slowness, 1.0);
+        let rows = rows(schedule, slowness, 1.0, &COSTS);
         assert_eq!((rows[0].efficiency, rows[0].inflation, rows[0].predicted), (1.0, 1.0, Some(1.0)));
         [rows[1].efficiency, rows[1].predicted.unwrap()]
     }
 
-    /// Rows of one worker, two of such slowness, and four that are simulated with this inflation.
-    fn rows(schedule: Schedule, slowness: [f64; 2], inflation: f64) -> Vec<ScalingRow> {
+    /// Rows of one worker, two of such slowness, and four that are simulated with this inflation; the study takes messages for
+    /// as dear as `costs` where streams do not tell.
+    fn rows(schedule: Schedule, slowness: [f64; 2], inflation: f64, costs: &Costs) -> Vec<ScalingRow> {
         let flow = Flow { frames: 2, in_flight: 2 };
         let base = tile::tiles(512, 512, 64, Order::Hilbert);
         let cost = |(i, &tile): (usize, &Tile)| Span {
@@ -257,8 +258,7 @@ mod tests {
             thesis_scene: None,
         };
         let scene = Scene::default();
-        let study =
-            Study { scene: &scene, options: &options, costs: &COSTS, cores: 2, rounds: &rounds, base: &base };
+        let study = Study { scene: &scene, options: &options, costs, cores: 2, rounds: &rounds, base: &base };
         study.rows(schedule, &tiles)
     }
 
@@ -278,7 +278,7 @@ mod tests {
     #[test]
     fn simulated_efficiency_is_against_the_usual_single_worker_and_obeys_inflation() {
         let efficiency = |inflation| {
-            let row = rows(Schedule::default(), [1.0, 1.0], inflation).remove(2);
+            let row = rows(Schedule::default(), [1.0, 1.0], inflation, &COSTS).remove(2);
             assert!(row.simulated && row.workers == 4 && row.predicted.is_none(), "{row:?}");
             row.efficiency
         };
@@ -287,6 +287,15 @@ mod tests {
         assert!(plain > 0.95 && plain < 1.01, "{plain}");
         let inflated = efficiency(2.0);
         assert!((inflated - plain / 2.0).abs() < 0.01, "{inflated} {plain}");
+    }
+
+    #[test]
+    fn a_simulator_with_dearer_steals_says_too_little_and_that_is_told() {
+        let dear = Costs { steal: 2.0, ..COSTS };
+        let row = rows(Schedule::default(), [1.0, 1.4], 1.0, &dear).remove(1);
+        let (apart, predicted) = (row.apart.unwrap(), row.predicted.unwrap());
+        assert!(apart.median < -0.01 && apart.low <= apart.median && apart.rounds == 3, "{row:?}");
+        assert!((apart.median - (predicted - row.efficiency)).abs() < 0.01, "{row:?}");
     }
 
     #[test]

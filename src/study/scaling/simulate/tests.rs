@@ -116,10 +116,10 @@ fn a_master_that_copies_for_too_long_holds_everybody_up() {
 fn by_hand_pixels_cost_what_copying_them_costs_where_the_master_is() {
     let schedule = Schedule { strategy: Strategy::StaticCyclic, film: FilmMode::Messages };
     let costs = Costs { per_byte: 0.5, copied: Some([0.25, 0.125]), ..FREE };
-    let reports = |cores| frame(schedule, 2, 16, &Costs { cores, ..costs }).master.reports;
-    // Sixteen tiles of 192 bytes, half of them by the worker on the master's own core, if it has none of its own.
-    assert_eq!((reports(3), reports(2)), (16.0 * 96.0, 8.0 * 48.0 + 8.0 * 24.0));
-    let unknown = frame(schedule, 2, 16, &Costs { copied: None, cores: 2, ..costs });
+    let reports = |cores| frame(schedule, 3, 16, &Costs { cores, ..costs }).master.reports;
+    // Sixteen tiles of 192 bytes, five of them by the worker on the master's own core, if it has none of its own.
+    assert_eq!((reports(4), reports(3)), (16.0 * 96.0, 11.0 * 48.0 + 5.0 * 24.0));
+    let unknown = frame(schedule, 3, 16, &Costs { copied: None, cores: 3, ..costs });
     assert_eq!(unknown.master.reports, 16.0 * 96.0, "as dear as elsewhere");
 }
 

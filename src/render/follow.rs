@@ -149,9 +149,7 @@ impl<'a> Follow<'a> {
                 scratch.path.begin(BATCH + 1);
                 self.shoot(task, camera, series, scratch, meter);
                 for (samples, &at) in (0..).step_by(numbers.len()).zip(some) {
-                    for slot in samples..samples + numbers.len() {
-                        sums.add(at, scratch.path.sum(slot));
-                    }
+                    sums.add(at, scratch.path.sums(samples..samples + numbers.len()));
                 }
             }
         }

@@ -51,15 +51,19 @@ impl Sums {
         self.pixels.resize(len, Sum::default());
     }
 
-    /// Adds a sample of pixel number `at`.
-    pub(super) fn add(&mut self, at: u32, color: [f32; 3]) {
+    /// Adds samples of pixel number `at`, by channel.
+    pub(super) fn add(&mut self, at: u32, samples: [&[f32]; 3]) {
         let sum = &mut self.pixels[at as usize];
-        sum.samples += 1;
-        for (k, color) in color.into_iter().enumerate() {
-            let visible = color.clamp(0.0, 1.0);
-            sum.color[k] += color;
-            sum.seen[k][0] += visible.sqrt();
-            sum.seen[k][1] += visible;
+        sum.samples += samples[0].len() as u32;
+        for (k, channel) in samples.into_iter().enumerate() {
+            let (mut color, [mut seen, mut squares]) = (sum.color[k], sum.seen[k]);
+            for &value in channel {
+                let visible = value.clamp(0.0, 1.0);
+                color += value;
+                seen += visible.sqrt();
+                squares += visible;
+            }
+            (sum.color[k], sum.seen[k]) = (color, [seen, squares]);
         }
     }
 
@@ -118,8 +122,8 @@ mod tests {
             for &color in colors {
                 let mut rgb = [0.5; 3];
                 rgb[channel] = color;
-                sums.add(1, rgb);
-                sums.add(0, [0.75; 3]);
+                sums.add(1, rgb.each_ref().map(std::slice::from_ref));
+                sums.add(0, [&[0.75]; 3]);
             }
             let limit = (deviation(colors) / f64::from(SCATTER)) as f32;
             assert!(sums.scatters(1, limit * 0.99) && !sums.scatters(1, limit * 1.01), "{colors:?}");
@@ -135,7 +139,7 @@ mod tests {
     fn a_pixel_without_a_colour_is_left_so() {
         let mut sums = Sums::default();
         sums.begin(1);
-        (0..4).for_each(|k| sums.add(0, [f32::NAN, 0.1 * k as f32, 0.0]));
+        sums.add(0, [&[f32::NAN; 4], &[0.0, 0.1, 0.2, 0.3], &[0.0; 4]]);
         assert!(sums.means().next().unwrap().1[0].is_nan());
     }
 }

@@ -158,9 +158,10 @@ impl PathScratch {
         self.queue.push(ray, self.states[index], [1.0; 3]);
     }
 
-    /// What has been added up in a slot.
-    pub(crate) fn sum(&self, slot: usize) -> [f32; 3] {
-        [0, 1, 2].map(|k| self.sum[k][slot])
+    /// What has been added up in some slots, by channel.
+    pub(crate) fn sums(&self, slots: std::ops::Range<usize>) -> [&[f32]; 3] {
+        let [r, g, b] = &self.sum;
+        [&r[slots.clone()], &g[slots.clone()], &b[slots]]
     }
 
     /// The colours, with the mean over the samples taken.

@@ -216,8 +216,8 @@ impl<'a> Follow<'a> {
     /// Rays through a lens go into the queue.
     fn look_through(&self, lens: DepthOfField, camera: &Camera, series: Series, scratch: &mut Scratch) {
         scratch.path.begin_queue();
+        let kernels = self.integrator.traversal.kernels();
         for (block, shots) in scratch.shots.as_chunks::<SUB>().0.iter().enumerate() {
-            let kernels = self.integrator.traversal.kernels();
             let [[x, y], squares] = kernels.run(LensPlaces { shots, series });
             let [across, up] = kernels.run(Disc(&squares));
             for (lane, _) in shots.iter().enumerate().filter(|(_, shot)| shot.wanted) {

@@ -2,8 +2,8 @@
 //! rays.
 //!
 //! The tile kernel counts its work. A packet that takes more than its rays would take one by one is given up and flies
-//! apart, which costs about twice the better of both at most where the rate below is right. Its neighbours are likely to be no better: the next ones fly apart
-//! at once, more of them each time that one is given up in a row.
+//! apart: about twice the better of both, where the rate below is right. Its neighbours are likely to be no better. So the
+//! next ones fly apart at once, more of them each time that one is given up in a row.
 //!
 //! ```text
 //!   packet --tile kernel--> done in time
@@ -60,9 +60,9 @@ impl Pace {
     }
 }
 
-/// Units of the tile kernel's work that a ray of a packet is worth. A ray of a flight takes as long as 4 to 16 units where packets are
-/// coherent and 30 to 45 where they are not; 24 costs scenes for which the tile kernel is best 1 or 2 % at 1024x1024, up to 4 % at 192x192
-/// (`benches/LOG.md`).
+/// Units of the tile kernel's work that a ray of a packet is worth. A ray of a flight takes as long as 4 to 22 units where
+/// packets are coherent and 33 to 45 where they are not; 24 costs scenes for which the tile kernel is best 1 or 2 % at
+/// 1024x1024, up to 4 % at 192x192 (`benches/LOG.md`).
 const WORTH: u32 = 24;
 /// Most packets that fly apart untried.
 const MOST: u32 = 15;
@@ -132,7 +132,7 @@ impl Traversal<'_> {
         if !tile.gave_up() {
             return doubts;
         }
-        // Some are known to be blocked.
+        // Those that are known to be blocked are not traced again.
         doubts + apart.get_or_insert_default().occluded(self, packet, blocked)
     }
 

@@ -255,34 +255,13 @@ mod tests {
         }
     }
 
-    /// A permutation of 0..`len` that depends on `p` (Kensler, section 3).
+    /// One lane of a permutation.
     fn permute_one(mut i: u32, len: u32, p: u32) -> u32 {
         if len <= 1 {
             return 0;
         }
-        let mut w = len - 1;
-        for shift in [1, 2, 4, 8, 16] {
-            w |= w >> shift;
-        }
         loop {
-            i ^= p;
-            i = i.wrapping_mul(0xe170_893d);
-            i ^= p >> 16;
-            i ^= (i & w) >> 4;
-            i ^= p >> 8;
-            i = i.wrapping_mul(0x0929_eb3f);
-            i ^= p >> 23;
-            i ^= (i & w) >> 1;
-            i = i.wrapping_mul(1 | p >> 27);
-            i = i.wrapping_mul(0x6935_fa69);
-            i ^= (i & w) >> 11;
-            i = i.wrapping_mul(0x74dc_b303);
-            i ^= (i & w) >> 2;
-            i = i.wrapping_mul(0x9e50_1cc3);
-            i ^= (i & w) >> 2;
-            i = i.wrapping_mul(0xc860_a3df);
-            i &= w;
-            i ^= i >> 5;
+            i = scramble(i, len.next_power_of_two() - 1, p);
             if i < len {
                 return ((u64::from(i) + u64::from(p)) % u64::from(len)) as u32;
             }
@@ -321,11 +300,27 @@ mod tests {
         }
     }
 
+    /// What all samples of one set have, sixteen at a time.
+    fn all<T>(count: u32, draw: impl Fn(&Lanes) -> [T; SUB]) -> Vec<T> {
+        let firsts = (0..count).step_by(SUB);
+        let lanes = firsts.map(|first| std::array::from_fn(|lane| (first + lane as u32).min(count - 1)));
+        lanes.flat_map(|numbers| draw(&numbers)).take(count as usize).collect()
+    }
+
+    /// All samples of the set of a key.
+    fn squares(count: u32, key: u32, purpose: u32) -> Vec<[f32; 2]> {
+        let samples = Samples::new(count, purpose);
+        all(count, |numbers| {
+            let [x, y] = samples.squares(&[key; SUB], numbers);
+            std::array::from_fn(|lane| [x[lane], y[lane]])
+        })
+    }
+
     #[test]
     fn permutations_are_permutations() {
         for len in [1, 2, 3, 7, 16, 60, 257] {
             for p in [0, 1, 0x9e37_79b9, u32::MAX] {
-                let mut seen: Vec<u32> = (0..len).map(|i| permute_one(i, len, p)).collect();
+                let mut seen = all(len, |numbers| permute(*numbers, len, &[p; SUB]));
                 seen.sort_unstable();
                 assert!(seen.into_iter().eq(0..len), "{len}, {p}");
             }
@@ -333,24 +328,36 @@ mod tests {
     }
 
     #[test]
+    fn quotients_are_whole_ones() {
+        for by in [1u32, 2, 3, 5, 12, 20, 257, 65_537, u32::MAX - 1, u32::MAX] {
+            for near in [0, by, by.wrapping_mul(2), u32::MAX / by * by, u32::MAX] {
+                let a = std::array::from_fn(|lane| near.wrapping_add(lane as u32).wrapping_sub(8));
+                assert_eq!(quotient(&a, by), a.map(|a| a / by), "{a:?} by {by}");
+            }
+        }
+    }
+
+    #[test]
     fn samples_are_stratified_in_two_dimensions() {
         for (count, key) in [(16u32, 1), (36, 2), (144, 3)] {
-            let samples = One::new(count, key, 5);
-            let all: Vec<[f32; 2]> = (0..count).map(|i| samples.get(i)).collect();
+            let all_of_them = squares(count, key, 5);
             let side = (count as f32).sqrt() as usize;
             let cell = |x: f32, cells: usize| (x * cells as f32) as usize;
             let mut cells: Vec<usize> =
-                all.iter().map(|[x, y]| cell(*x, side) + side * cell(*y, side)).collect();
+                all_of_them.iter().map(|[x, y]| cell(*x, side) + side * cell(*y, side)).collect();
             cells.sort_unstable();
             assert!(cells.into_iter().eq(0..count as usize), "one in each cell");
             for axis in 0..2 {
                 // Kensler's rows are jittered, so that a rounding may lead to the next one.
-                let mut rows: Vec<usize> = all.iter().map(|of| cell(of[axis], count as usize)).collect();
+                let mut rows: Vec<usize> =
+                    all_of_them.iter().map(|of| cell(of[axis], count as usize)).collect();
                 rows.sort_unstable();
                 rows.dedup();
                 assert!(rows.len() * 10 >= count as usize * 9, "about one in each row: {}", rows.len());
             }
-            let mut line: Vec<usize> = (0..count).map(|i| cell(samples.line(i), count as usize)).collect();
+            let samples = Samples::new(count, 5);
+            let line = all(count, |numbers| samples.lines(&[key; SUB], numbers));
+            let mut line: Vec<usize> = line.into_iter().map(|x| cell(x, count as usize)).collect();
             line.sort_unstable();
             assert!(line.into_iter().eq(0..count as usize));
         }
@@ -358,8 +365,8 @@ mod tests {
 
     #[test]
     fn sets_of_two_purposes_have_nothing_to_do_with_each_other() {
-        let (a, b) = (One::new(4096, 9, 1), One::new(4096, 9, 2));
-        let mean: f64 = (0..4096).map(|i| f64::from(a.get(i)[0] * b.get(i)[0])).sum::<f64>() / 4096.0;
+        let pairs = squares(4096, 9, 1).into_iter().zip(squares(4096, 9, 2));
+        let mean: f64 = pairs.map(|(a, b)| f64::from(a[0] * b[0])).sum::<f64>() / 4096.0;
         assert!((mean - 0.25).abs() < 0.01, "{mean}");
     }
 }

@@ -338,3 +338,14 @@ pub fn sizes_table(rows: &[SizeRow]) -> Table {
     }
     table
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_apart_are_told_with_what_they_lie_between() {
+        let apart = Spread { median: 0.0123, low: -0.003, high: 0.026, rounds: 5 };
+        assert_eq!(points(apart), "+1.2 (-0.3 +2.6)");
+    }
+}

@@ -285,8 +285,12 @@ mod tests {
             with_packet("hairball@0.3", 16, |bvh, packet| {
                 assert_eq!(flown(bvh, packet), (true, true, 1), "{isa}");
             });
-            with_packet("atrium@0.2", 512, |bvh, packet| {
+            // More than a unit for each ray, but less than they are worth.
+            with_packet("atrium@0.2", 64, |bvh, packet| {
                 assert_eq!(flown(bvh, packet), (false, false, 0), "{isa}");
+                let mut tile = TileScratch::new();
+                kernels.tile_intersect(&bvh.view(), packet, &mut tile, &mut TileHits::new());
+                assert!(tile.work() > 2 * TILE_RAYS as u32, "{isa}: {}", tile.work());
             });
         }
     }
@@ -324,6 +328,18 @@ mod tests {
             assert!(!gave_up);
             let (some, gave_up, _) = occluded(work / 2);
             assert!(gave_up && some != all && some.iter().zip(all).all(|(some, all)| some & !all == 0));
+        });
+    }
+
+    #[test]
+    fn a_tile_knows_nothing_of_the_one_before() {
+        with_packet("hairball@0.3", 16, |bvh, packet| {
+            let traversal = Traversal::new(bvh, Kernels::detect(), KernelChoice::Auto);
+            let (mut scratch, mut hits) = (PacketScratch::new(), TileHits::new());
+            traversal.intersect(packet, &mut scratch, &mut hits);
+            assert_ne!(scratch.pace, Pace::default());
+            scratch.begin();
+            assert_eq!(scratch.pace, Pace::default());
         });
     }
 

@@ -231,6 +231,22 @@ mod tests {
     }
 
     #[test]
+    fn aimed_rays_make_no_mode_dear() {
+        let mut seconds = 0.0;
+        let fast = Mode::Visibility(crate::kernels::Visibility::Fast);
+        with_forecast(EFFORT, |forecast, _| seconds = forecast.mode(fast));
+        // Twelve of them are aimed.
+        with_forecast(Effort { dearest: seconds - 11.0, ..EFFORT }, |forecast, mut modes| {
+            forecast.cut(&mut modes, &mut vec![]);
+            assert!(modes.contains(&fast) && !modes.contains(&Mode::Samples(64)));
+        });
+        with_forecast(Effort { dearest: seconds - 13.0, ..EFFORT }, |forecast, mut modes| {
+            forecast.cut(&mut modes, &mut vec![]);
+            assert!(!modes.contains(&fast));
+        });
+    }
+
+    #[test]
     fn images_become_smaller_until_a_study_fits() {
         let mut whole = 0.0;
         with_forecast(EFFORT, |forecast, modes| whole = forecast.total(&modes));

@@ -218,3 +218,28 @@ fn face_of(sortable: u64) -> usize {
 fn run_of_face(sorted: &[u64], most: usize) -> usize {
     sorted.iter().take(most).take_while(|&&other| face_of(other) == face_of(sorted[0])).count()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bvh::{BuildPreset, Bvh};
+    use crate::kernels::{Kernels, Visibility};
+    use crate::trace::KernelChoice;
+
+    #[test]
+    fn the_last_occluder_is_forgotten_where_it_could_change_what_a_ray_hits() {
+        let scene = crate::scene::load("atrium@0.1").unwrap();
+        let bvh = Bvh::build(&scene.mesh, BuildPreset::Fast).unwrap();
+        let none = ShadowRays { u: &[], v: &[], tfar: &[], skip: &[], face: &[] };
+        for choice in KernelChoice::ALL {
+            for visibility in [Visibility::Exact, Visibility::Fast] {
+                let kernels = Kernels::detect().with_visibility(visibility);
+                let traversal = Traversal::new(&bvh, kernels, choice);
+                let mut seed = traversal.tree().root;
+                PointShadows::default().trace(&traversal, [0.0; 3], &none, &mut seed, &mut []);
+                let forgotten = choice == KernelChoice::Auto && visibility == Visibility::Fast;
+                assert_eq!(seed == NO_OCCLUDER, forgotten, "{choice} {visibility}");
+            }
+        }
+    }
+}

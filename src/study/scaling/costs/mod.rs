@@ -239,6 +239,23 @@ mod tests {
     }
 
     #[test]
+    fn what_streams_show_is_taken_from_the_median_round_and_the_rest_from_any() {
+        let round = |x: f64| Costs {
+            send: x,
+            reply: 10.0 * x,
+            to_master: 20.0 - x,
+            to_worker: 30.0 + x,
+            collect: x * x,
+            per_byte: -x,
+            prepare: 7.0,
+            ..NOTHING
+        };
+        let median = Costs::median(&[3.0, 1.0, 2.0].map(round)).unwrap();
+        assert_eq!(median, round(2.0));
+        assert_eq!(Costs::median(&[]), None);
+    }
+
+    #[test]
     fn on_a_slower_core_everything_takes_longer() {
         let costs = Costs {
             prepare: 1.0,

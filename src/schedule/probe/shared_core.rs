@@ -20,8 +20,6 @@ use bench::{Bench, LATE, Trip};
 
 /// Of who goes on after sending there are so many times as many messages: what is late is rare.
 const MORE: usize = 3;
-/// Messages that are taken together: several of them are late.
-const AT_A_TIME: usize = 250;
 
 /// As in the picture above, in seconds. Of messages that were alone, and in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,43 +70,66 @@ impl SharedCore {
     }
 }
 
-/// Measures them with `rounds` messages and more from `other` to a thread on `core`, where another thread computes and sends as
-/// many; the reader has `load` to do for each. `None` if threads cannot be pinned to these CPUs.
-///
-/// # Panics
-/// If `rounds` is 0.
-pub fn shared_core_seconds(rounds: usize, core: usize, other: usize, load: &dyn Load) -> Option<SharedCore> {
-    let (theirs, own) = Bench::new(load, true).messages(rounds, core, other)?;
-    let (unanswered, _) = Bench::new(load, false).messages(MORE * rounds, core, other)?;
-    let usual = |part: fn(&Trip) -> f64| -> Vec<f64> {
-        theirs.iter().filter(|trip| trip.is_usual()).map(part).collect()
-    };
-    let of_own = |part: fn(&Trip) -> f64| -> Vec<f64> {
-        own.iter().filter(|trip| trip.is_usual()).map(part).collect()
-    };
-    let latencies: Vec<f64> = unanswered.iter().filter(|trip| trip.asleep).map(|trip| trip.latency).collect();
-    let late: Vec<f64> = latencies.iter().map(|&latency| f64::from(u8::from(latency > LATE))).collect();
-    let delays: Vec<f64> = latencies.into_iter().filter(|&latency| latency > LATE).collect();
-    let late = typical(&late);
-    Some(SharedCore {
-        send: typical(&usual(|trip| trip.send)),
-        latency: typical(&usual(|trip| trip.latency)),
-        interrupt: typical(&usual(|trip| trip.gap - trip.work - trip.reply)).max(0.0),
-        switch: typical(&of_own(|trip| trip.wait - trip.work)).max(0.0),
-        reply: typical(&usual(|trip| trip.reply)),
-        back: typical(&usual(|trip| trip.back)).max(0.0),
-        wait: typical(&usual(|trip| trip.wait)),
-        work: [typical(&usual(|trip| trip.work)), typical(&of_own(|trip| trip.work))],
-        late,
-        delay: if late > 0.0 { mean(&delays) } else { 0.0 },
-    })
+/// Measures them, round by round, so that other things can be measured between: what a machine with other guests is like
+/// changes from minute to minute.
+#[derive(Default)]
+pub struct SharedCoreProbe {
+    rounds: Vec<Round>,
 }
 
-/// The mean where the machine is as it mostly is: the median of the means of so many at a time. 0 of none.
-fn typical(seconds: &[f64]) -> f64 {
-    match seconds {
-        [] => 0.0,
-        _ => median(&seconds.chunks(AT_A_TIME).map(mean).collect::<Vec<f64>>()),
+/// Messages that were answered, from the other core and from the reader's own, and such whose sender goes on.
+struct Round {
+    theirs: Vec<Trip>,
+    own: Vec<Trip>,
+    unanswered: Vec<Trip>,
+}
+
+impl SharedCoreProbe {
+    /// A round of `messages` messages and more from `other` to a thread on `core`, where another thread computes and sends as
+    /// many; the reader has `load` to do for each. Nothing is measured if threads cannot be pinned to these CPUs.
+    pub fn measure(&mut self, messages: usize, core: usize, other: usize, load: &dyn Load) {
+        let round = || {
+            let (theirs, own) = Bench::new(load, true).messages(messages, core, other)?;
+            let (unanswered, _) = Bench::new(load, false).messages(MORE * messages, core, other)?;
+            Some(Round { theirs, own, unanswered })
+        };
+        self.rounds.extend(round());
+    }
+
+    /// What they are in the median round; `None` if none was measured. What no message shows takes no time.
+    pub fn costs(&self) -> Option<SharedCore> {
+        let usual = |part: fn(&Trip) -> f64| self.typical(|round| &round.theirs, Trip::is_usual, part);
+        let of_own = |part: fn(&Trip) -> f64| self.typical(|round| &round.own, Trip::is_usual, part);
+        let unanswered =
+            |of: fn(&Trip) -> bool, part: fn(&Trip) -> f64| self.typical(|round| &round.unanswered, of, part);
+        let is_late = |trip: &Trip| f64::from(u8::from(trip.latency > LATE));
+        (!self.rounds.is_empty()).then(|| SharedCore {
+            send: usual(|trip| trip.send),
+            latency: usual(|trip| trip.latency),
+            interrupt: usual(|trip| trip.gap - trip.work - trip.reply).max(0.0),
+            switch: of_own(|trip| trip.wait - trip.work).max(0.0),
+            reply: usual(|trip| trip.reply),
+            back: usual(|trip| trip.back).max(0.0),
+            wait: usual(|trip| trip.wait),
+            work: [usual(|trip| trip.work), of_own(|trip| trip.work)],
+            late: unanswered(|trip| trip.asleep, is_late),
+            delay: unanswered(|trip| trip.asleep && trip.latency > LATE, |trip| trip.latency),
+        })
+    }
+
+    /// The median of the rounds' means of this part of those messages; 0 if there are none.
+    fn typical(
+        &self,
+        messages: fn(&Round) -> &[Trip],
+        of: impl Fn(&Trip) -> bool,
+        part: impl Fn(&Trip) -> f64,
+    ) -> f64 {
+        let mean_of = |round: &Round| {
+            let parts: Vec<f64> = messages(round).iter().filter(|trip| of(trip)).map(&part).collect();
+            (!parts.is_empty()).then(|| mean(&parts))
+        };
+        let means: Vec<f64> = self.rounds.iter().filter_map(mean_of).collect();
+        if means.is_empty() { 0.0 } else { median(&means) }
     }
 }
 
@@ -126,7 +147,9 @@ mod tests {
         let cpus: Vec<usize> =
             core_affinity::get_core_ids().unwrap_or_default().iter().map(|core| core.id).collect();
         let [core, other, ..] = cpus[..] else { return };
-        let shared = shared_core_seconds(50, core, other, &Duration::from_micros(10)).unwrap();
+        let mut probe = SharedCoreProbe::default();
+        (0..2).for_each(|_| probe.measure(25, core, other, &Duration::from_micros(10)));
+        let shared = probe.costs().unwrap();
         let SharedCore { send, latency, interrupt, switch, reply, back, wait, work, late, delay } = shared;
         // On a busy machine it may be that no message is alone.
         for seconds in [send, latency, interrupt, switch, reply, back, wait] {
@@ -135,16 +158,48 @@ mod tests {
         assert!(wait == 0.0 || wait > 1e-5, "{shared:?}");
         assert!(work.into_iter().all(|work| work == 0.0 || work >= 1e-5), "{shared:?}");
         assert!((0.0..=1.0).contains(&late) && if late > 0.0 { delay > LATE } else { delay == 0.0 });
-        assert_eq!(shared_core_seconds(1, usize::MAX, other, &Duration::ZERO), None, "no such CPU");
+        let mut nowhere = SharedCoreProbe::default();
+        nowhere.measure(1, usize::MAX, other, &Duration::ZERO);
+        assert_eq!(nowhere.costs(), None, "no such CPU");
+    }
+
+    /// Messages that took so long to be read, by a reader who had nothing else to do.
+    fn trips(latencies: &[f64]) -> Vec<Trip> {
+        let trip = |&latency| Trip {
+            send: 1e-6,
+            latency,
+            work: 2e-6,
+            reply: 3e-6,
+            back: 4e-6,
+            wait: 20e-6,
+            gap: 9e-6,
+            asleep: true,
+            alone: true,
+        };
+        latencies.iter().map(trip).collect()
     }
 
     #[test]
-    fn what_is_typical_is_a_mean_that_a_noisy_while_does_not_change() {
-        assert_eq!(typical(&[]), 0.0);
-        assert_eq!(typical(&[1.0, 2.0, 6.0]), 3.0);
-        let mut seconds = [[1.0, 3.0]; 4 * AT_A_TIME].concat();
-        seconds[AT_A_TIME..3 * AT_A_TIME].fill(1e9);
-        assert_eq!(typical(&seconds), 2.0);
+    fn the_median_round_counts_and_in_it_the_mean() {
+        let round = |latencies: &[f64]| Round {
+            theirs: trips(latencies),
+            own: trips(&[]),
+            unanswered: trips(&[1e-6, 1e-6, 1e-3, 3e-3]),
+        };
+        // A noisy while is not typical; what is late does not count; nor does a round in which nothing was seen.
+        let probe = SharedCoreProbe {
+            rounds: vec![round(&[1e-6, 3e-6]), round(&[]), round(&[2e-4]), round(&[1e-6, 5e-6, 1e-3])],
+        };
+        let shared = probe.costs().unwrap();
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
+        near(shared.latency, 3e-6);
+        near(shared.interrupt, 4e-6);
+        near(shared.switch, 0.0);
+        near(shared.work[0], 2e-6);
+        near(shared.work[1], 0.0);
+        near(shared.late, 0.5);
+        near(shared.delay, 2e-3);
+        assert_eq!(SharedCoreProbe::default().costs(), None);
     }
 
     #[test]

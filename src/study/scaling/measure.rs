@@ -2,10 +2,10 @@
 //!
 //! One round of a schedule, with two workers: frames by one worker, twice as many by two, then by one worker on another
 //! core. So whatever makes the machine faster or slower for a while, or one core slower than another, is on both
-//! sides of the ratio. The master is pinned, too: to a core without a worker, or else to that of the last worker, where the
+//! sides of the ratio; and what messages cost on a core that the master shares is measured in every round, too. The master is pinned: to a core without a worker, or else to that of the last worker, where the
 //! simulator has it.
 
-use super::{Costs, Flow, LONGEST_MEASURED, Replay, simulate};
+use super::{Costs, Flow, LONGEST_MEASURED, Replay, costs::SharedCores, simulate};
 use crate::error::Result;
 use crate::math::median;
 use crate::render::{Session, Stage};
@@ -16,6 +16,9 @@ use crate::schedule::{
 use crate::tile::Tile;
 use std::collections::HashMap;
 use std::ops::Range;
+
+/// Messages of each kind in a round between threads that share a core.
+const MESSAGES: usize = 250;
 
 /// Rounds of one schedule with one number of workers.
 #[derive(Clone, Debug)]
@@ -106,15 +109,17 @@ pub(super) struct Method<'a> {
     pub(super) flow: Flow,
     pub(super) pin: bool,
     pub(super) side: u32,
+    /// What is known before.
+    pub(super) costs: &'a Costs,
 }
 
 impl Method<'_> {
     /// Measures, on a thread of its own, which is pinned; `control` is not told of progress. The first frames of new
-    /// workers are not counted.
+    /// workers are not counted. What messages cost is as it was known before, but for a core that the master shares.
     ///
     /// # Errors
     /// As [`Session::stream`], and [`crate::error::Error::Failed`] if two images differ.
-    pub(super) fn measure(&self, stage: &Stage<'_>, control: &Control<'_>) -> Result<Rounds> {
+    pub(super) fn measure(&self, stage: &Stage<'_>, control: &Control<'_>) -> Result<(Rounds, Costs)> {
         let cancel = control.flag();
         let measure = || self.measure_here(stage, &Control::new(cancel, &|_| {}));
         std::thread::scope(|scope| match scope.spawn(measure).join() {
@@ -123,7 +128,7 @@ impl Method<'_> {
         })
     }
 
-    fn measure_here(&self, stage: &Stage<'_>, control: &Control<'_>) -> Result<Rounds> {
+    fn measure_here(&self, stage: &Stage<'_>, control: &Control<'_>) -> Result<(Rounds, Costs)> {
         let most = self.workers.last().map_or(1, |&most| most);
         let counts = std::iter::once(1).chain(self.workers.iter().copied());
         let measured = |&schedule: &Schedule| {
@@ -133,7 +138,8 @@ impl Method<'_> {
             Rounds { all: self.schedules.iter().flat_map(measured).collect(), ..Rounds::default() };
         let placement =
             Placement::new(Machine::get(), Some(most.max(Machine::get().default_workers())), self.pin);
-        stage.with_session(&placement, |session| {
+        let costs = stage.with_session(&placement, |session| {
+            let mut shared = self.shared_cores(session, most);
             let cores = placement.slots().len();
             let mut bench = Bench { stage, session, placement: &placement, control, hash: None };
             bench.warm_up(self)?;
@@ -149,10 +155,21 @@ impl Method<'_> {
                     one.streams.push(bench.stream(self, one.schedule, after..after + 1)?);
                 }
                 bench.smaller_tiles(self, round % cores, &mut rounds.smaller)?;
+                if !self.workers.is_empty() {
+                    shared.measure(MESSAGES, self.costs.collect);
+                }
             }
-            Ok(())
+            Ok(shared.found(*self.costs))
         })?;
-        Ok(rounds)
+        Ok((rounds, costs))
+    }
+
+    /// To be measured with the films that streams with a worker on every core have.
+    fn shared_cores(&self, session: &Session<'_, '_>, most: usize) -> SharedCores {
+        let copied = films(self.schedules).any(|film| film == FilmMode::Messages);
+        let frames = self.flow.of(most, LONGEST_MEASURED).frames;
+        let size = [session.film().width(), session.film().height()];
+        SharedCores::new(self.pin, size, if copied { frames } else { 0 })
     }
 }
 

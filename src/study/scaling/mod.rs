@@ -132,15 +132,17 @@ pub fn scaling(
         flow: options.flow,
         pin: options.render.pin,
         side: options.render.tile,
+        costs,
     };
-    let rounds = method.measure(&stage, control)?;
+    let (rounds, costs) = method.measure(&stage, control)?;
+    log::debug!("messages in these rounds, in seconds: {costs:?}");
     let base = stage.tiles(method.side);
     let mut rows = vec![];
     for film in measure::films(&options.schedules) {
         let alone = || rounds.all.iter().filter(|m| m.workers == 1 && m.schedule.film == film);
         let streams = alone().flat_map(|m| &m.streams).chain(rounds.smaller.get(&film).into_iter().flatten());
         let tiles = TileCosts::new(&base, streams);
-        let study = Study { scene, options, costs, cores, rounds: &rounds, base: &base };
+        let study = Study { scene, options, costs: &costs, cores, rounds: &rounds, base: &base };
         for &schedule in options.schedules.iter().filter(|schedule| schedule.film == film) {
             rows.extend(study.rows(schedule, &tiles));
         }

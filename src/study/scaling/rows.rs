@@ -31,8 +31,10 @@ pub(super) struct Study<'a> {
 /// One worker of a schedule.
 struct Alone<'a> {
     measured: &'a Measured,
-    /// Seconds of a frame in each round.
+    /// Seconds of a frame in each round, ...
     seconds: Vec<f64>,
+    /// ... and by which factor its tiles took longer than they are taken to cost.
+    slowness: Vec<f64>,
     /// The same as the simulator has them, where tiles take what they are taken to cost and messages what they took in that
     /// round. What it leaves out, it leaves out for several workers, too.
     simulated: Vec<f64>,
@@ -43,22 +45,56 @@ struct Alone<'a> {
 }
 
 impl<'a> Alone<'a> {
-    fn new(measured: &'a Measured, study: &Study, tiles: &TileCosts) -> Alone<'a> {
+    /// `measured` with one worker; `full` with one on every core, if that was measured, has the master on one of theirs.
+    fn new(measured: &'a Measured, full: Option<&Measured>, study: &Study, tiles: &TileCosts) -> Alone<'a> {
         let schedule = measured.schedule;
-        let seen =
-            |streams: &[FrameStats]| study.costs.seen_in(streams, schedule, tiles.slowness_of_all(streams));
-        let seen: Vec<Costs> = measured.rounds().map(seen).collect();
+        let slowness: Vec<f64> = measured.rounds().map(|round| tiles.slowness_of_all(round)).collect();
+        let seen = |(streams, &slowness)| study.costs.seen_in(streams, schedule, slowness);
+        let seen: Vec<Costs> = measured.rounds().zip(&slowness).map(seen).collect();
         let simulate = |costs: &Costs| {
             tiles.simulate(schedule, &[1.0], study.options.flow, study.base, costs).per_frame()
         };
         let costs = Costs::median(&seen).unwrap_or(*study.costs);
+        let copied = |full: &Measured| -> Vec<[f64; 2]> {
+            let of = |(streams, &slowness)| costs.copied_in(streams, schedule, slowness);
+            full.rounds().zip(&slowness).filter_map(of).collect()
+        };
+        let copied = match full.map(copied).unwrap_or_default() {
+            none if none.is_empty() => costs.copied,
+            some => Some([0, 1].map(|who| median(&some.iter().map(|byte| byte[who]).collect::<Vec<f64>>()))),
+        };
+        let costs = Costs { copied, ..costs };
         Alone {
             measured,
             seconds: measured.seconds(),
+            slowness,
             simulated: seen.iter().map(simulate).collect(),
             costs,
             usual: simulate(&costs),
         }
+    }
+}
+
+/// What the simulator is told of a round of several workers.
+struct Round {
+    /// By which factor the tiles of each of them took longer than one worker's.
+    slowness: Vec<f64>,
+    /// The mean of these over that in the median round.
+    pace: f64,
+    /// What a byte cost the master that it copied on a core where a worker computes.
+    copied: Option<[f64; 2]>,
+}
+
+impl Round {
+    fn all(measured: &Measured, alone: &Alone) -> Vec<Round> {
+        let slowness = measured.slowness(alone.measured);
+        let usual = median(&slowness.iter().map(|workers| mean(workers)).collect::<Vec<f64>>());
+        let round = |((slowness, streams), &one): ((Vec<f64>, &[FrameStats]), _)| {
+            let pace = mean(&slowness) / usual;
+            let copied = alone.costs.copied_in(streams, measured.schedule, one);
+            Round { slowness, pace, copied: copied.or(alone.costs.slower(1.0, pace).copied) }
+        };
+        slowness.into_iter().zip(measured.rounds()).zip(&alone.slowness).map(round).collect()
     }
 }
 
@@ -67,7 +103,7 @@ impl Study<'_> {
     pub(super) fn rows(&self, schedule: Schedule, tiles: &TileCosts) -> Vec<ScalingRow> {
         let of = |workers| self.rounds.all.iter().find(|m| m.workers == workers && m.schedule == schedule);
         let Some(one) = of(1) else { return vec![] };
-        let alone = Alone::new(one, self, tiles);
+        let alone = Alone::new(one, of(self.cores), self, tiles);
         let row = |&workers: &usize| match of(workers) {
             Some(measured) => self.measured(measured, &alone, tiles),
             None => self.simulated(&alone, workers, tiles),
@@ -80,15 +116,15 @@ impl Study<'_> {
         let against = |one: f64, many: f64| one / (workers as f64 * many);
         let ratios: Vec<f64> =
             alone.seconds.iter().zip(&seconds).map(|(&one, &many)| against(one, many)).collect();
-        let predict = |(round, seen): (usize, Vec<f64>)| {
-            let slowness = self.apart_from_master(alone, &seen, tiles);
-            let many = self.predict(alone, &slowness, tiles).per_frame();
-            against(alone.simulated[round], many)
+        let rounds = Round::all(measured, alone);
+        let predict = |(round, one): (&Round, &f64)| {
+            let slowness = self.apart_from_master(alone, round, tiles);
+            against(*one, self.predict(alone, round, &slowness, tiles).per_frame())
         };
         // One worker against itself, which no rounding should tell from 1.
         let predictions: Vec<f64> = match workers {
             1 => vec![1.0; ratios.len()],
-            _ => measured.slowness(alone.measured).into_iter().enumerate().map(predict).collect(),
+            _ => rounds.iter().zip(&alone.simulated).map(predict).collect(),
         };
         let apart: Vec<f64> = predictions.iter().zip(&ratios).map(|(said, is)| said - is).collect();
         ScalingRow {
@@ -104,22 +140,36 @@ impl Study<'_> {
         }
     }
 
-    /// How slow each worker is if its tiles took `seen` times as long: without what the master takes from them, which is not
+    /// How slow each worker is if its tiles took as long as in this round: without what the master takes from them, which is not
     /// the machine's, but the simulator's to find. Solved for by trial, since the slower everything is, the more that is.
-    fn apart_from_master(&self, alone: &Alone, seen: &[f64], tiles: &TileCosts) -> Vec<f64> {
-        let mut slowness = vec![1.0; seen.len()];
+    fn apart_from_master(&self, alone: &Alone, round: &Round, tiles: &TileCosts) -> Vec<f64> {
+        let mut slowness = vec![1.0; round.slowness.len()];
         for _ in 0..TRIALS {
-            let stream = self.predict(alone, &slowness, tiles);
-            for ((own, seen), simulated) in slowness.iter_mut().zip(seen).zip(tiles.slowness(&stream)) {
+            let stream = self.predict(alone, round, &slowness, tiles);
+            let simulated = tiles.slowness(&stream);
+            for ((own, seen), simulated) in slowness.iter_mut().zip(&round.slowness).zip(simulated) {
                 *own = (*own * seen / simulated).max(LEAST_INFLATION);
             }
         }
         slowness
     }
 
+    /// The stream of workers of such slowness as the simulator has it, with what messages cost in this round.
+    fn predict(&self, alone: &Alone, round: &Round, slowness: &[f64], tiles: &TileCosts) -> FrameStats {
+        // What slows tiles down slows down everything else on the same cores.
+        let costs = Costs { copied: round.copied, ..alone.costs.slower(mean(slowness), round.pace) };
+        let flow = self.options.flow.of(slowness.len(), LONGEST_MEASURED);
+        tiles.simulate(alone.measured.schedule, slowness, flow, self.base, &costs)
+    }
+
     fn simulated(&self, alone: &Alone, workers: usize, tiles: &TileCosts) -> ScalingRow {
-        let inflation = self.options.inflation;
-        let frame = self.predict(alone, &vec![inflation; workers], tiles);
+        let (schedule, inflation) = (alone.measured.schedule, self.options.inflation);
+        let costs = match self.options.network {
+            Some((latency, bits)) => self.costs.on_network(latency, bits),
+            None => alone.costs.on_cores(workers),
+        };
+        let flow = self.options.flow.of(workers, LONGEST_SIMULATED);
+        let frame = tiles.simulate(schedule, &vec![inflation; workers], flow, self.base, &costs);
         let efficiency = alone.usual / (workers as f64 * frame.per_frame());
         ScalingRow {
             simulated: true,
@@ -128,22 +178,8 @@ impl Study<'_> {
             fastest: efficiency,
             inflation,
             frame,
-            ..self.row(alone.measured.schedule, workers)
+            ..self.row(schedule, workers)
         }
-    }
-
-    /// The stream of workers of such slowness as the simulator has it.
-    fn predict(&self, alone: &Alone, slowness: &[f64], tiles: &TileCosts) -> FrameStats {
-        let workers = slowness.len();
-        let costs = match self.options.network {
-            // What slows tiles down slows down everything else on the same cores.
-            _ if workers <= self.cores => alone.costs.slower(slowness.iter().sum::<f64>() / workers as f64),
-            Some((latency, bits)) => self.costs.on_network(latency, bits),
-            None => alone.costs.on_cores(workers),
-        };
-        let longest = if workers <= self.cores { LONGEST_MEASURED } else { LONGEST_SIMULATED };
-        let flow = self.options.flow.of(workers, longest);
-        tiles.simulate(alone.measured.schedule, slowness, flow, self.base, &costs)
     }
 
     /// What is known of a row before it is measured or simulated.
@@ -164,6 +200,10 @@ impl Study<'_> {
             thesis: thesis.and_then(|name| thesis_figure(name, schedule.strategy, workers)),
         }
     }
+}
+
+fn mean(samples: &[f64]) -> f64 {
+    samples.iter().sum::<f64>() / samples.len() as f64
 }
 
 fn least(samples: &[f64]) -> f64 {
@@ -212,7 +252,9 @@ mod tests {
     /// Efficiency of two workers of such slowness as the simulator alone has it, and as the study finds it predicted that
     /// takes the simulator's streams for measured ones.
     fn found(schedule: Schedule, slowness: [f64; 2]) -> [f64; 2] {
-        let rows = rows(schedule, slowness, 1.0, &COSTS);
+        // On a core that the master shares they are measured while several workers are as slow as they are.
+        let costs = COSTS.slower(1.0, mean(&slowness));
+        let rows = rows(schedule, slowness, 1.0, &costs);
         assert_eq!((rows[0].efficiency, rows[0].inflation, rows[0].predicted), (1.0, 1.0, Some(1.0)));
         [rows[1].efficiency, rows[1].predicted.unwrap()]
     }
@@ -239,10 +281,10 @@ mod tests {
         let mut all = vec![measured(1), measured(2)];
         // In the second round everything takes longer, and more so in the third one.
         for pace in [1.0, 1.3, 1.7] {
-            let one = tiles.simulate(schedule, &[pace], flow, &base, &COSTS.slower(pace));
+            let one = tiles.simulate(schedule, &[pace], flow, &base, &COSTS.slower(pace, pace));
             all[0].streams.extend([one.clone(), one]);
             let paces = slowness.map(|slowness| slowness * pace);
-            let slower = COSTS.slower((paces[0] + paces[1]) / 2.0);
+            let slower = COSTS.slower(mean(&paces), mean(&paces));
             let two = tiles.simulate(schedule, &paces, flow.of(2, LONGEST_MEASURED), &base, &slower);
             all[1].streams.push(two);
         }

@@ -1,33 +1,28 @@
 //! Costs measured with tiles that do nothing, between threads of this machine.
 
-use super::{Costs, NOTHING};
+use super::{Costs, NOTHING, SharedCores, shared};
 use crate::error::Result;
 use crate::film::Film;
 use crate::schedule::{
-    Control, FilmMode, FrameStats, Load, Machine, Placement, Schedule, SharedCore, Strategy, TileTask,
-    pin_current_thread, shared_core_seconds, steal_seconds, with_workers,
+    Control, FilmMode, FrameStats, Machine, Placement, Schedule, SharedCore, Strategy, TileTask,
+    pin_current_thread, steal_seconds, with_workers,
 };
 use crate::tile::{Order, Tile, tiles};
-use std::sync::{
-    Mutex, PoisonError,
-    atomic::{AtomicUsize, Ordering},
-    mpsc,
-};
-use std::time::{Duration, Instant};
+use std::sync::mpsc;
+use std::time::Instant;
 
 /// Frames per measurement.
 const FRAMES: usize = 21;
-/// Messages of either kind between threads that share a core: enough to see how often one is late.
-const MESSAGES: usize = 1500;
+/// Messages between threads that share a core in a round ...
+const MESSAGES: usize = 250;
+/// ... of so many: enough to see how often one is late.
+const ROUNDS: usize = 6;
 /// Tiles in a side of an image of empty tiles, where the time per tile matters ...
 const SIDE: u32 = 128;
 /// ... the same of strategies that answer every tile: a message takes as long as hundreds of tiles do.
 const ANSWERED_SIDE: u32 = 32;
 /// ... and where the time per frame matters.
 const SMALL_SIDE: u32 = 16;
-/// Side of a tile whose pixels are copied.
-const SIDE_OF_TILE: u32 = 64;
-const TILE_BYTES: f64 = (SIDE_OF_TILE * SIDE_OF_TILE) as f64 * 12.0;
 
 impl Costs {
     /// Measures them, in about four seconds.
@@ -52,64 +47,23 @@ impl Costs {
         let answered = Schedule { strategy: Strategy::Dynamic, film: FilmMode::Shared };
         let seen = nothing.seen_in(quieter_half(&mut dynamic), answered, 1.0);
         let Costs { send, reply, to_master, collect, .. } = seen;
-        let per_byte = copy_seconds_per_byte(pin);
         // To the master and back, each about what waking somebody costs.
         let guess = SharedCore::punctual(send, to_master, 3.0 * send, 2.0 * send);
-        let shared = shared_core(pin, &Duration::from_secs_f64(collect)).unwrap_or(guess);
-        let copying = shared_core(pin, &Copying::new());
-        // On a busy machine it may be that no message was alone.
-        let copied = copying.map(|copying| copying.work.map(|work| work / TILE_BYTES));
-        let copied = copied.filter(|copied| copied.iter().all(|&byte| byte > 0.0));
-        Ok(Costs {
+        let costs = Costs {
             // The first task wakes the worker.
             prepare: quiet(&small, |stats| (stats.master.frames - reply).max(0.0)),
             steal: steal_seconds(FRAMES),
-            shared,
-            copying: copying.unwrap_or(shared),
-            per_byte,
-            copied,
+            shared: guess,
+            copying: guess,
+            per_byte: copy_seconds_per_byte(pin),
+            copied: None,
             cores: Machine::get().default_workers(),
             ..seen
-        })
+        };
+        let mut cores = SharedCores::new(pin, [1024, 1024], 1);
+        (0..ROUNDS).for_each(|_| cores.measure(MESSAGES, collect));
+        Ok(cores.found(costs))
     }
-}
-
-/// Copies tiles that their sender has just written into a film.
-struct Copying {
-    film: Film,
-    tiles: Vec<Tile>,
-    next: AtomicUsize,
-    planes: [Mutex<Vec<f32>>; 2],
-}
-
-impl Copying {
-    fn new() -> Copying {
-        let planes = || Mutex::new(vec![0.0; 3 * (SIDE_OF_TILE * SIDE_OF_TILE) as usize]);
-        Copying {
-            film: Film::new(1024, 1024),
-            tiles: tiles(1024, 1024, SIDE_OF_TILE, Order::Hilbert),
-            next: AtomicUsize::new(0),
-            planes: [planes(), planes()],
-        }
-    }
-}
-
-impl Load for Copying {
-    fn fill(&self, sender: usize) {
-        self.planes[sender].lock().unwrap_or_else(PoisonError::into_inner).fill(0.5);
-    }
-
-    fn take(&self, sender: usize) {
-        let tile = self.tiles[self.next.fetch_add(1, Ordering::Relaxed) % self.tiles.len()];
-        let planes = self.planes[sender].lock().unwrap_or_else(PoisonError::into_inner);
-        write(&self.film, tile, &planes);
-    }
-}
-
-fn write(film: &Film, tile: Tile, planes: &[f32]) {
-    let pixels = tile.len();
-    let [r, g, b] = [0, 1, 2].map(|plane| &planes[plane * pixels..][..pixels]);
-    film.write_tile(tile, r, g, b);
 }
 
 /// Seconds per tile of a frame of tiles that do nothing: the scheduler's own, in a quiet moment.
@@ -162,26 +116,17 @@ impl TileTask for Empty {
     fn run(&self, (): &(), _tile: Tile, (): &mut (), (): &mut ()) {}
 }
 
-/// Of the first two cores, if there are two, with so much to do for a report.
-fn shared_core(pin: bool, load: &dyn Load) -> Option<SharedCore> {
-    let placement = Placement::new(Machine::get(), Some(2), pin);
-    match placement.slots() {
-        &[Some(other), Some(core)] => shared_core_seconds(MESSAGES, core, other, load),
-        _ => None,
-    }
-}
-
 /// Of tiles that another core has just written, as a worker does.
 fn copy_seconds_per_byte(pin: bool) -> f64 {
     let film = Film::new(1024, 1024);
-    let tiles = tiles(1024, 1024, SIDE_OF_TILE, Order::Hilbert);
+    let tiles = tiles(1024, 1024, shared::SIDE, Order::Hilbert);
     let placement = Placement::new(Machine::get(), Some(2), pin);
     let pin = |slot: usize| pin_current_thread(placement.slots()[slot]);
     let (fill, filled) = mpsc::channel();
     let (empty, emptied) = mpsc::channel();
     let worker = move || {
         pin(0);
-        let mut planes = vec![0.0f32; 3 * (SIDE_OF_TILE * SIDE_OF_TILE) as usize];
+        let mut planes = vec![0.0f32; 3 * (shared::SIDE * shared::SIDE) as usize];
         loop {
             planes.fill(0.5);
             if fill.send(planes).is_err() {
@@ -196,14 +141,14 @@ fn copy_seconds_per_byte(pin: bool) -> f64 {
         let mut copy = |&tile: &Tile| {
             let Ok(planes) = filled.recv() else { return 0.0 };
             let start = Instant::now();
-            write(&film, tile, &planes);
+            shared::write(&film, tile, &planes);
             let seconds = start.elapsed().as_secs_f64();
             let _ = empty.send(planes);
             seconds
         };
         // The first time touches the memory; a later frame finds it there.
         let _ = tiles.iter().map(&mut copy).sum::<f64>();
-        quarter(tiles.iter().map(copy).collect()) / TILE_BYTES
+        quarter(tiles.iter().map(copy).collect()) / shared::BYTES
     };
     std::thread::scope(|scope| {
         scope.spawn(worker);

@@ -6,11 +6,13 @@
 //! where there were enough of them.
 
 mod empty;
+mod shared;
 
 pub use empty::overhead_per_tile;
+pub(super) use shared::SharedCores;
 
 use crate::math::median;
-use crate::schedule::{FilmMode, FrameStats, Schedule, SharedCore};
+use crate::schedule::{FilmMode, FrameStats, Schedule, SharedCore, Span};
 
 /// A stream with fewer messages than one for so many tiles tells little of what they cost.
 const TILES_PER_MESSAGE: f64 = 4.0;
@@ -61,8 +63,9 @@ impl Costs {
         Costs { cores: workers, ..self }
     }
 
-    /// The same where everything takes `factor` times as long. A time slice is still a time slice.
-    pub(super) fn slower(self, factor: f64) -> Costs {
+    /// The same where everything takes `factor` times as long, but `shared` times on a core that the master shares. A time slice is
+    /// still a time slice.
+    pub(super) fn slower(self, factor: f64, shared: f64) -> Costs {
         Costs {
             prepare: self.prepare * factor,
             send: self.send * factor,
@@ -73,10 +76,10 @@ impl Costs {
             collect_tile: self.collect_tile * factor,
             tile: self.tile * factor,
             steal: self.steal * factor,
-            shared: self.shared.slower(factor),
-            copying: self.copying.slower(factor),
+            shared: self.shared.slower(shared),
+            copying: self.copying.slower(shared),
             per_byte: self.per_byte * factor,
-            copied: self.copied.map(|copied| copied.map(|byte| byte * factor)),
+            copied: self.copied.map(|copied| copied.map(|byte| byte * shared)),
             cores: self.cores,
         }
     }
@@ -104,6 +107,37 @@ impl Costs {
         }
     }
 
+    /// What a copied byte cost the master in streams where it lives on the last worker's core: tiles leave less of the film and of
+    /// its page tables in the caches than anything that is measured beside them. `None` if it copied nothing. If one worker's tiles took `slowness` times as long in that
+    /// round as they are taken to cost, so did messages.
+    pub(super) fn copied_in(
+        &self,
+        streams: &[FrameStats],
+        schedule: Schedule,
+        slowness: f64,
+    ) -> Option<[f64; 2]> {
+        let Costs { collect, collect_tile, copying, .. } = *self;
+        // Who has one parcel waits for every answer, and must be woken if not on this core.
+        let woken = |stream: &FrameStats| match stream.workers.split_last() {
+            Some((_, others)) if schedule.strategy.parcels() == 1 => others.iter().map(|w| w.tiles).sum(),
+            _ => 0,
+        };
+        let copying = |stream: &FrameStats| {
+            let (reports, tiles) = (stream.reports.count as f64, stream.spans.len() as f64);
+            let other = reports * collect + tiles * collect_tile + woken(stream) as f64 * copying.reply;
+            stream.master.reports / slowness - other
+        };
+        let seconds = streams.iter().map(copying).sum::<f64>().max(0.0);
+        // Pixels of others and of the last worker differ as they do beside the streams.
+        let known = self.copied.unwrap_or([1.0; 2]);
+        let own = |stream: &FrameStats| bytes(stream, |span| span.worker + 1 == stream.workers.len());
+        let (all, own): (f64, f64) =
+            streams.iter().fold((0.0, 0.0), |sum, s| (sum.0 + bytes(s, |_| true), sum.1 + own(s)));
+        let expected = known[0] * (all - own) + known[1] * own;
+        let factor = seconds / expected;
+        (schedule.film == FilmMode::Messages && expected > 0.0).then(|| known.map(|byte| byte * factor))
+    }
+
     /// What streams of one worker show of them, if there were a message every few tiles. If tiles took `slowness` times as
     /// long in them as they are taken to cost, so did messages.
     pub(super) fn seen_in(self, streams: &[FrameStats], schedule: Schedule, slowness: f64) -> Costs {
@@ -120,7 +154,7 @@ impl Costs {
         let send = ((sum(|s| s.seconds) - others - waits - tiles * self.tile) / awaited).max(0.0);
         let to_master = (sum(|s| s.reports.latency_sum) / awaited - send).max(0.0);
         let work = sum(|s| s.master.reports);
-        let bytes = 12.0 * sum(|s| s.spans.iter().map(|span| span.tile.len() as f64).sum());
+        let bytes = sum(|s| bytes(s, |_| true));
         // Who has one parcel waits for every answer, and is woken by it: as dear as waking the master.
         let answered = schedule.strategy.parcels() == 1;
         let rest = work - tiles * self.collect_tile - if answered { reports * send } else { 0.0 };
@@ -136,6 +170,11 @@ impl Costs {
         }
         seen
     }
+}
+
+/// Of the pixels of these tiles.
+fn bytes(stream: &FrameStats, of: impl Fn(&Span) -> bool) -> f64 {
+    12.0 * stream.spans.iter().filter(|span| of(span)).map(|span| span.tile.len() as f64).sum::<f64>()
 }
 
 /// Where nothing takes any time, and the master has a core of its own.
@@ -159,7 +198,7 @@ pub(super) const NOTHING: Costs = Costs {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::schedule::{Idle, Pinned, Span, Strategy, WorkerStats};
+    use crate::schedule::{Idle, Pinned, Strategy, WorkerStats};
     use crate::tile::Tile;
 
     /// Streams of one worker that a simulation with known costs made: the costs are found in them.
@@ -283,12 +322,12 @@ mod tests {
             collect_tile: 14.0,
             tile: 16.0,
             steal: 18.0,
-            shared: SharedCore::punctual(20.0, 22.0, 24.0, 26.0),
-            copying: SharedCore::punctual(30.0, 32.0, 34.0, 36.0),
+            shared: SharedCore::punctual(30.0, 33.0, 36.0, 39.0),
+            copying: SharedCore::punctual(45.0, 48.0, 51.0, 54.0),
             per_byte: 28.0,
-            copied: Some([38.0, 40.0]),
+            copied: Some([57.0, 60.0]),
             cores: 2,
         };
-        assert_eq!(costs.slower(2.0), twice);
+        assert_eq!(costs.slower(2.0, 3.0), twice);
     }
 }

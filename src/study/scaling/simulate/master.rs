@@ -161,7 +161,9 @@ impl Simulation<'_> {
         }
         self.workers[report.worker].due -= usize::from(report.finished);
         let next = if report.finished { self.next_task() } else { None };
+        let before = self.master_free;
         self.lay(report.worker, true, next);
+        self.master.reports += self.master_free - before;
         self.begin_frames(self.master_free);
         if let Some(host) = waking {
             self.workers[host].stand(now, self.master_free - now);

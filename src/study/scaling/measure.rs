@@ -5,7 +5,11 @@
 //! sides of the ratio; and what messages cost on a core that the master shares is measured in every round, too. The master is pinned: to a core without a worker, or else to that of the last worker, where the
 //! simulator has it.
 
-use super::{Costs, Flow, LONGEST_MEASURED, Replay, costs::SharedCores, simulate};
+use super::{
+    Costs, Flow, LONGEST_MEASURED, Replay,
+    costs::{SharedCores, TILES_PER_MESSAGE},
+    simulate,
+};
 use crate::error::Result;
 use crate::math::median;
 use crate::render::{Session, Stage};
@@ -44,6 +48,17 @@ impl Measured {
             streams.iter().map(|stream| stream.seconds).sum::<f64>() / frames as f64
         };
         self.rounds().map(per_frame).collect()
+    }
+
+    /// Mean seconds that a report took in each round; `None` if there were too few of them to tell.
+    pub(super) fn latencies(&self) -> Option<Vec<f64>> {
+        let of_round = |streams: &[FrameStats]| {
+            let sum = |of: fn(&FrameStats) -> f64| streams.iter().map(of).sum::<f64>();
+            let (awaited, tiles) = (sum(|s| s.reports.awaited as f64), sum(|s| s.spans.len() as f64));
+            let seconds = sum(|s| s.reports.latency_sum);
+            (seconds > 0.0 && awaited * TILES_PER_MESSAGE >= tiles).then(|| seconds / awaited)
+        };
+        self.rounds().map(of_round).collect()
     }
 
     /// The stream whose time per frame is the median (of an even number the faster one of the middle two).
@@ -351,6 +366,20 @@ mod tests {
         assert_eq!(measured.seconds(), [4.0, 1.0, 3.0, 2.0]);
         measured.workers = 1;
         assert_eq!(measured.seconds(), [2.5, 2.5]);
+    }
+
+    #[test]
+    fn latencies_are_those_of_each_round_if_there_is_a_message_every_few_tiles() {
+        let tile = |x| Tile { x, y: 0, width: 16, height: 16 };
+        let round = |awaited, latency_sum| {
+            let mut stats = stream(&[(tile(0), 1.0), (tile(16), 1.0), (tile(32), 1.0), (tile(48), 1.0)]);
+            (stats.reports.awaited, stats.reports.latency_sum) = (awaited, latency_sum);
+            stats
+        };
+        let of = |streams| Measured { schedule: Schedule::default(), workers: 2, streams }.latencies();
+        assert_eq!(of(vec![round(4, 8.0), round(1, 3.0)]), Some(vec![2.0, 3.0]));
+        assert_eq!(of(vec![round(4, 8.0), round(0, 0.0)]), None);
+        assert_eq!(of(vec![round(4, 0.0)]), None, "a clock that saw nothing");
     }
 
     #[test]

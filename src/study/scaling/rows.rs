@@ -79,7 +79,7 @@ impl<'a> Alone<'a> {
 struct Round {
     /// By which factor the tiles of each of them took longer than one worker's.
     slowness: Vec<f64>,
-    /// The mean of these over that in the median round.
+    /// By which factor messages took longer than in the median round; where there are few, tiles.
     pace: f64,
     /// What a byte cost the master that it copied on a core where a worker computes.
     copied: Option<[f64; 2]>,
@@ -88,13 +88,17 @@ struct Round {
 impl Round {
     fn all(measured: &Measured, alone: &Alone) -> Vec<Round> {
         let slowness = measured.slowness(alone.measured);
-        let usual = median(&slowness.iter().map(|workers| mean(workers)).collect::<Vec<f64>>());
-        let round = |((slowness, streams), &one): ((Vec<f64>, &[FrameStats]), _)| {
-            let pace = mean(&slowness) / usual;
+        let paces = relative(match measured.latencies() {
+            Some(latencies) => {
+                latencies.iter().zip(&alone.slowness).map(|(latency, one)| latency / one).collect()
+            }
+            None => slowness.iter().map(|workers| mean(workers)).collect(),
+        });
+        let round = |(((slowness, streams), &one), pace): (((Vec<f64>, &[FrameStats]), _), _)| {
             let copied = alone.costs.copied_in(streams, measured.schedule, one);
             Round { slowness, pace, copied: copied.or(alone.costs.slower(1.0, pace).copied) }
         };
-        slowness.into_iter().zip(measured.rounds()).zip(&alone.slowness).map(round).collect()
+        slowness.into_iter().zip(measured.rounds()).zip(&alone.slowness).zip(paces).map(round).collect()
     }
 }
 
@@ -200,6 +204,12 @@ impl Study<'_> {
             thesis: thesis.and_then(|name| thesis_figure(name, schedule.strategy, workers)),
         }
     }
+}
+
+/// Over their median.
+fn relative(samples: Vec<f64>) -> Vec<f64> {
+    let usual = median(&samples);
+    samples.into_iter().map(|sample| sample / usual).collect()
 }
 
 fn mean(samples: &[f64]) -> f64 {

@@ -15,7 +15,7 @@ use crate::math::median;
 use crate::schedule::{FilmMode, FrameStats, Schedule, SharedCore, Span};
 
 /// A stream with fewer messages than one for so many tiles tells little of what they cost.
-const TILES_PER_MESSAGE: f64 = 4.0;
+pub(super) const TILES_PER_MESSAGE: f64 = 4.0;
 
 /// What the simulator charges, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,8 +108,8 @@ impl Costs {
     }
 
     /// What a copied byte cost the master in streams where it lives on the last worker's core: tiles leave less of the film and of
-    /// its page tables in the caches than anything that is measured beside them. `None` if it copied nothing. If one worker's tiles took `slowness` times as long in that
-    /// round as they are taken to cost, so did messages.
+    /// its page tables in the caches than anything that is measured beside them. `None` if it copied nothing. If one worker's
+    /// tiles took `slowness` times as long in that round as they are taken to cost, so did messages.
     pub(super) fn copied_in(
         &self,
         streams: &[FrameStats],
@@ -275,6 +275,53 @@ mod tests {
         // Two reports of ten tiles tell nothing.
         stats.reports.awaited = 2;
         assert_eq!(blind.seen_in(&[stats], dynamic, 1.0), blind);
+    }
+
+    #[test]
+    fn what_copying_cost_is_found_in_streams_where_the_master_lives_on_a_workers_core() {
+        let costs = Costs {
+            collect: 2.0,
+            collect_tile: 0.5,
+            copying: SharedCore { reply: 3.0, ..SharedCore::punctual(0.0, 0.0, 0.0, 0.0) },
+            copied: Some([2.0, 1.0]),
+            ..NOTHING
+        };
+        let span = |worker| Span {
+            frame: 0,
+            worker,
+            tile: Tile { x: 0, y: 0, width: 1, height: 1 },
+            start: 0.0,
+            end: 1.0,
+        };
+        let worker = |tiles| WorkerStats {
+            pinned: Pinned::Free,
+            busy_seconds: 1.0,
+            tiles,
+            idle: Idle::default(),
+            steals: 0,
+        };
+        // Two tiles of the first worker, one of the master's host: 12 bytes each.
+        let mut stats = FrameStats {
+            spans: vec![span(0), span(0), span(1)],
+            workers: vec![worker(2), worker(1)],
+            ..FrameStats::default()
+        };
+        stats.reports.count = 3;
+        stats.master.reports = 4.0 * (3.0 * 2.5 + 2.0 * 3.0 + 24.0 * 0.4 + 12.0 * 0.2);
+        let seen =
+            |strategy, film| costs.copied_in(std::slice::from_ref(&stats), Schedule { strategy, film }, 4.0);
+        let near = |found: Option<[f64; 2]>, expected: [f64; 2]| {
+            let found = found.unwrap();
+            assert!((0..2).all(|i| (found[i] - expected[i]).abs() < 1e-12), "{found:?} {expected:?}");
+        };
+        near(seen(Strategy::Dynamic, FilmMode::Messages), [0.4, 0.2]);
+        // Nobody waits to be woken: the master copied all that time.
+        near(seen(Strategy::Stealing, FilmMode::Messages), [0.4 * 1.5, 0.2 * 1.5]);
+        assert_eq!(seen(Strategy::Dynamic, FilmMode::Shared), None);
+        assert_eq!(
+            costs.copied_in(&[], Schedule { film: FilmMode::Messages, ..Schedule::default() }, 1.0),
+            None
+        );
     }
 
     #[test]

@@ -7,6 +7,7 @@ mod rows;
 mod simulate;
 mod sizes;
 mod thesis;
+mod tiles;
 
 pub use costs::{Costs, overhead_per_tile};
 pub use simulate::{Flow, Replay, simulate};
@@ -20,8 +21,9 @@ use crate::{
     scene::Scene,
     schedule::{Control, FrameStats, Machine, Schedule},
 };
-use measure::{Method, TileCosts};
+use measure::Method;
 use rows::Study;
+use tiles::TileCosts;
 
 /// No stream is measured that is longer, since each of its frames has a film, ...
 const LONGEST_MEASURED: usize = 16;

@@ -2,8 +2,9 @@
 
 use super::{
     Costs, LONGEST_MEASURED, LONGEST_SIMULATED, ScalingOptions, ScalingRow,
-    measure::{Measured, Rounds, TileCosts},
+    measure::{Measured, Rounds},
     thesis::thesis_figure,
+    tiles::TileCosts,
 };
 use crate::{
     math::{Spread, median},
@@ -31,10 +32,10 @@ pub(super) struct Study<'a> {
 /// One worker of a schedule.
 struct Alone<'a> {
     measured: &'a Measured,
-    /// Seconds of a frame in each round, ...
-    seconds: Vec<f64>,
-    /// ... and by which factor its tiles took longer than they are taken to cost.
+    /// By which factor its tiles took longer in each round than they are taken to cost.
     slowness: Vec<f64>,
+    /// Seconds of a frame in each round.
+    seconds: Vec<f64>,
     /// The same as the simulator has them, where tiles take what they are taken to cost and messages what they took in that
     /// round. What it leaves out, it leaves out for several workers, too.
     simulated: Vec<f64>,
@@ -66,8 +67,8 @@ impl<'a> Alone<'a> {
         let costs = Costs { copied, ..costs };
         Alone {
             measured,
-            seconds: measured.seconds(),
             slowness,
+            seconds: measured.seconds(),
             simulated: seen.iter().map(simulate).collect(),
             costs,
             usual: simulate(&costs),
@@ -120,7 +121,6 @@ impl Study<'_> {
         let against = |one: f64, many: f64| one / (workers as f64 * many);
         let ratios: Vec<f64> =
             alone.seconds.iter().zip(&seconds).map(|(&one, &many)| against(one, many)).collect();
-        let rounds = Round::all(measured, alone);
         let predict = |(round, one): (&Round, &f64)| {
             let slowness = self.apart_from_master(alone, round, tiles);
             against(*one, self.predict(alone, round, &slowness, tiles).per_frame())
@@ -128,7 +128,7 @@ impl Study<'_> {
         // One worker against itself, which no rounding should tell from 1.
         let predictions: Vec<f64> = match workers {
             1 => vec![1.0; ratios.len()],
-            _ => rounds.iter().zip(&alone.simulated).map(predict).collect(),
+            _ => Round::all(measured, alone).iter().zip(&alone.simulated).map(predict).collect(),
         };
         let apart: Vec<f64> = predictions.iter().zip(&ratios).map(|(said, is)| said - is).collect();
         ScalingRow {
@@ -221,137 +221,4 @@ fn least(samples: &[f64]) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::Flow;
-    use super::*;
-    use crate::schedule::{SharedCore, Span};
-    use crate::tile::{self, Order};
-
-    const SHARED: SharedCore = SharedCore {
-        send: 0.012,
-        latency: 0.009,
-        interrupt: 0.015,
-        switch: 0.008,
-        reply: 0.01,
-        back: 0.02,
-        wait: 0.07,
-        work: [0.0; 2],
-        late: 0.0,
-        delay: 0.0,
-    };
-
-    /// Costs of about the size of real ones, in milliseconds.
-    const COSTS: Costs = Costs {
-        prepare: 0.02,
-        send: 0.014,
-        reply: 0.014,
-        to_master: 0.03,
-        to_worker: 0.03,
-        collect: 0.005,
-        collect_tile: 0.0,
-        tile: 0.0,
-        steal: 0.0,
-        // Nothing is late: when that falls is a matter of chance.
-        shared: SHARED,
-        copying: SHARED,
-        per_byte: 4e-7,
-        copied: Some([3e-7, 2e-7]),
-        cores: 2,
-    };
-
-    /// Efficiency of two workers of such slowness as the simulator alone has it, and as the study finds it predicted that
-    /// takes the simulator's streams for measured ones.
-    fn found(schedule: Schedule, slowness: [f64; 2]) -> [f64; 2] {
-        // On a core that the master shares they are measured while several workers are as slow as they are.
-        let costs = COSTS.slower(1.0, mean(&slowness));
-        let rows = rows(schedule, slowness, 1.0, &costs);
-        assert_eq!((rows[0].efficiency, rows[0].inflation, rows[0].predicted), (1.0, 1.0, Some(1.0)));
-        [rows[1].efficiency, rows[1].predicted.unwrap()]
-    }
-
-    /// Rows of one worker, two of such slowness, and four that are simulated with this inflation; the study takes messages for
-    /// as dear as `costs` where streams do not tell.
-    fn rows(schedule: Schedule, slowness: [f64; 2], inflation: f64, costs: &Costs) -> Vec<ScalingRow> {
-        let flow = Flow { frames: 2, in_flight: 2 };
-        let base = tile::tiles(512, 512, 64, Order::Hilbert);
-        let cost = |(i, &tile): (usize, &Tile)| Span {
-            frame: 0,
-            worker: 0,
-            tile,
-            start: 0.0,
-            end: 0.2 + 0.01 * (i % 7) as f64,
-        };
-        let seen = FrameStats {
-            frames: 1,
-            spans: base.iter().enumerate().map(cost).collect(),
-            ..FrameStats::default()
-        };
-        let tiles = TileCosts::new(&base, [&seen]);
-        let measured = |workers| Measured { schedule, workers, streams: vec![] };
-        let mut all = vec![measured(1), measured(2)];
-        // In the second round everything takes longer, and more so in the third one.
-        for pace in [1.0, 1.3, 1.7] {
-            let one = tiles.simulate(schedule, &[pace], flow, &base, &COSTS.slower(pace, pace));
-            all[0].streams.extend([one.clone(), one]);
-            let paces = slowness.map(|slowness| slowness * pace);
-            let slower = COSTS.slower(mean(&paces), mean(&paces));
-            let two = tiles.simulate(schedule, &paces, flow.of(2, LONGEST_MEASURED), &base, &slower);
-            all[1].streams.push(two);
-        }
-        let rounds = Rounds { all, ..Rounds::default() };
-        let options = ScalingOptions {
-            render: crate::study::accuracy::options(),
-            schedules: vec![schedule],
-            workers: vec![1, 2, 4],
-            rounds: 1,
-            flow,
-            inflation,
-            network: None,
-            thesis_scene: None,
-        };
-        let scene = Scene::default();
-        let study = Study { scene: &scene, options: &options, costs, cores: 2, rounds: &rounds, base: &base };
-        study.rows(schedule, &tiles)
-    }
-
-    #[test]
-    fn what_the_simulator_made_it_predicts_though_workers_are_slow_and_the_master_interrupts_them() {
-        for schedule in Schedule::all() {
-            for slowness in [[1.0, 1.0], [1.0, 1.3], [1.4, 1.2]] {
-                let [efficiency, predicted] = found(schedule, slowness);
-                assert!(
-                    (efficiency - predicted).abs() < 0.01,
-                    "{schedule:?} {slowness:?}: {efficiency} {predicted}"
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn simulated_efficiency_is_against_the_usual_single_worker_and_obeys_inflation() {
-        let efficiency = |inflation| {
-            let row = rows(Schedule::default(), [1.0, 1.0], inflation, &COSTS).remove(2);
-            assert!(row.simulated && row.workers == 4 && row.predicted.is_none(), "{row:?}");
-            row.efficiency
-        };
-        // Stealing loses next to nothing, though two of three rounds were slow.
-        let plain = efficiency(1.0);
-        assert!(plain > 0.95 && plain < 1.01, "{plain}");
-        let inflated = efficiency(2.0);
-        assert!((inflated - plain / 2.0).abs() < 0.01, "{inflated} {plain}");
-    }
-
-    #[test]
-    fn a_simulator_with_dearer_steals_says_too_little_and_that_is_told() {
-        let dear = Costs { steal: 2.0, ..COSTS };
-        let row = rows(Schedule::default(), [1.0, 1.4], 1.0, &dear).remove(1);
-        let (apart, predicted) = (row.apart.unwrap(), row.predicted.unwrap());
-        assert!(apart.median < -0.01 && apart.low <= apart.median && apart.rounds == 3, "{row:?}");
-        assert!((apart.median - (predicted - row.efficiency)).abs() < 0.01, "{row:?}");
-    }
-
-    #[test]
-    fn the_least_sample_is_found() {
-        assert_eq!(least(&[3.0, 1.0, 2.0]), 1.0);
-    }
-}
+mod tests;

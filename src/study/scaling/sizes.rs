@@ -4,8 +4,7 @@
 //! long as the cheapest. So each size is told with that ratio; and with that of the dearest tile to the mean, since a
 //! cheapest tile that shows nothing but background makes the first one huge.
 
-use super::measure::TileCosts;
-use super::{Costs, Flow, LONGEST_MEASURED, LONGEST_SIMULATED, ScalingOptions};
+use super::{Costs, Flow, LONGEST_MEASURED, LONGEST_SIMULATED, ScalingOptions, tiles::TileCosts};
 use crate::{
     error::Result,
     math::median,

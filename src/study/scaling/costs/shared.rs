@@ -3,7 +3,7 @@
 
 use super::Costs;
 use crate::film::Film;
-use crate::schedule::{Load, Machine, Placement, SharedCoreProbe};
+use crate::schedule::{Load, Machine, Placement, SharedCore, SharedCoreProbe};
 use crate::tile::{Order, Tile, tiles};
 use std::sync::{
     Mutex, PoisonError,
@@ -15,6 +15,10 @@ use std::time::Duration;
 pub(super) const SIDE: u32 = 64;
 /// Bytes of its pixels.
 pub(super) const BYTES: f64 = (SIDE * SIDE) as f64 * 12.0;
+
+/// Films need not be larger, nor more, to be farther away than any cache: 192 MiB.
+const LARGEST: u32 = 2048;
+const MOST: usize = 4;
 
 /// Rounds of messages on the first two cores, if there are two.
 pub(in crate::study::scaling) struct SharedCores {
@@ -32,7 +36,8 @@ impl SharedCores {
             &[Some(other), Some(core)] => Some([other, core]),
             _ => None,
         };
-        let load = Copying::new(size, if cores.is_some() { films } else { 0 });
+        let films = if cores.is_some() { films.min(MOST) } else { 0 };
+        let load = Copying::new(size.map(|side| side.min(LARGEST)), films);
         let probe = SharedCoreProbe::default;
         SharedCores { cores, load, shared: probe(), copying: probe() }
     }
@@ -48,12 +53,19 @@ impl SharedCores {
 
     /// `costs` with what all rounds found, if any did.
     pub(in crate::study::scaling) fn found(&self, costs: Costs) -> Costs {
-        let shared = self.shared.costs().unwrap_or(costs.shared);
-        let Some(copying) = self.copying.costs() else { return Costs { shared, ..costs } };
-        let copied = copying.work.map(|work| work / BYTES);
-        // On a busy machine it may be that no message was alone.
-        let copied = if copied.iter().all(|&byte| byte > 0.0) { Some(copied) } else { costs.copied };
-        Costs { shared, copying, copied, ..costs }
+        with(costs, self.shared.costs(), self.copying.costs())
+    }
+}
+
+fn with(costs: Costs, shared: Option<SharedCore>, copying: Option<SharedCore>) -> Costs {
+    let copied = copying.map(|copying| copying.work.map(|work| work / BYTES));
+    // On a busy machine it may be that no message was alone.
+    let copied = copied.filter(|copied| copied.iter().all(|&byte| byte > 0.0));
+    Costs {
+        shared: shared.unwrap_or(costs.shared),
+        copying: copying.unwrap_or(costs.copying),
+        copied: copied.or(costs.copied),
+        ..costs
     }
 }
 
@@ -121,6 +133,43 @@ mod tests {
         (0..2).for_each(|_| load.take(0));
         // The other sender has written nothing; its tiles are black.
         assert_eq!([value(1, 127), value(0, 0), value(0, 127)], [[0.0; 3], [0.0; 3], [0.5; 3]]);
+    }
+
+    #[test]
+    fn what_is_found_takes_the_place_of_what_was_known() {
+        let known = Costs { copied: Some([7.0, 8.0]), ..NOTHING };
+        let shared = SharedCore { work: [2.0; 2], ..NOTHING.shared };
+        // A tile has 64 x 64 pixels of 12 bytes.
+        let copying = SharedCore { work: [49152.0, 2.0 * 49152.0], ..NOTHING.shared };
+        assert_eq!(with(known, None, None), known);
+        assert_eq!(with(known, Some(shared), None), Costs { shared, ..known });
+        let found = Costs { shared, copying, copied: Some([1.0, 2.0]), ..known };
+        assert_eq!(with(known, Some(shared), Some(copying)), found);
+        let unseen = SharedCore { work: [49152.0, 0.0], ..copying };
+        assert_eq!(with(known, None, Some(unseen)), Costs { copying: unseen, ..known });
+    }
+
+    #[test]
+    fn copying_is_measured_only_with_films() {
+        for films in [0, 1] {
+            let mut cores = SharedCores::new(true, [64, 64], films);
+            cores.measure(5, 0.0);
+            let measured = [cores.shared.costs(), cores.copying.costs()].map(|costs| costs.is_some());
+            let can = cores.cores.is_some();
+            assert_eq!(measured, [can, can && films > 0]);
+        }
+    }
+
+    #[test]
+    fn films_are_as_many_and_as_large_as_those_of_a_stream_but_no_more_than_caches_call_for() {
+        let films = |size, films| {
+            let load = SharedCores::new(true, size, films).load;
+            load.films.iter().map(|film| [film.width(), film.height()]).collect::<Vec<_>>()
+        };
+        if SharedCores::new(true, [64, 64], 1).cores.is_some() {
+            assert_eq!(films([100, 64], 2), [[128, 64]; 2]);
+            assert_eq!(films([100_000, 64], 16), [[2048, 64]; 4]);
+        }
     }
 
     #[test]

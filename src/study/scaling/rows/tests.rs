@@ -1,0 +1,189 @@
+//! Rows where the simulator's own streams are taken for measured ones.
+
+use super::super::Flow;
+use super::*;
+use crate::schedule::{SharedCore, Span};
+use crate::tile::{self, Order};
+
+const SHARED: SharedCore = SharedCore {
+    send: 0.012,
+    latency: 0.009,
+    interrupt: 0.015,
+    switch: 0.008,
+    reply: 0.01,
+    back: 0.02,
+    wait: 0.07,
+    work: [0.0; 2],
+    late: 0.0,
+    delay: 0.0,
+};
+
+/// Costs of about the size of real ones, in milliseconds.
+const COSTS: Costs = Costs {
+    prepare: 0.02,
+    send: 0.014,
+    reply: 0.014,
+    to_master: 0.03,
+    to_worker: 0.03,
+    collect: 0.005,
+    collect_tile: 0.0,
+    tile: 0.0,
+    steal: 0.0,
+    // Nothing is late: when that falls is a matter of chance.
+    shared: SHARED,
+    copying: SHARED,
+    per_byte: 4e-7,
+    copied: Some([3e-7, 2e-7]),
+    cores: 2,
+};
+
+/// Efficiency of two workers of such slowness as the simulator alone has it, and as the study finds it predicted that
+/// takes the simulator's streams for measured ones.
+fn found(schedule: Schedule, slowness: [f64; 2]) -> [f64; 2] {
+    // On a core that the master shares they are measured while several workers are as slow as they are.
+    let costs = COSTS.slower(1.0, mean(&slowness));
+    let rows = rows(schedule, slowness, 1.0, &costs);
+    assert_eq!((rows[0].efficiency, rows[0].inflation, rows[0].predicted), (1.0, 1.0, Some(1.0)));
+    [rows[1].efficiency, rows[1].predicted.unwrap()]
+}
+
+/// Rows of one worker, two of such slowness, and four that are simulated with this inflation; the study takes messages for
+/// as dear as `costs` where streams do not tell.
+fn rows(schedule: Schedule, slowness: [f64; 2], inflation: f64, costs: &Costs) -> Vec<ScalingRow> {
+    let flow = Flow { frames: 2, in_flight: 2 };
+    let base = tile::tiles(512, 512, 64, Order::Hilbert);
+    let cost = |(i, &tile): (usize, &Tile)| Span {
+        frame: 0,
+        worker: 0,
+        tile,
+        start: 0.0,
+        end: 0.2 + 0.01 * (i % 7) as f64,
+    };
+    let seen =
+        FrameStats { frames: 1, spans: base.iter().enumerate().map(cost).collect(), ..FrameStats::default() };
+    let tiles = TileCosts::new(&base, [&seen]);
+    let measured = |workers| Measured { schedule, workers, streams: vec![] };
+    let mut all = vec![measured(1), measured(2)];
+    // In the second round everything takes longer, and more so in the third one.
+    for pace in [1.0, 1.3, 1.7] {
+        let one = tiles.simulate(schedule, &[pace], flow, &base, &COSTS.slower(pace, pace));
+        all[0].streams.extend([one.clone(), one]);
+        let paces = slowness.map(|slowness| slowness * pace);
+        let slower = COSTS.slower(mean(&paces), mean(&paces));
+        let two = tiles.simulate(schedule, &paces, flow.of(2, LONGEST_MEASURED), &base, &slower);
+        all[1].streams.push(two);
+    }
+    let rounds = Rounds { all, ..Rounds::default() };
+    let options = ScalingOptions {
+        render: crate::study::accuracy::options(),
+        schedules: vec![schedule],
+        workers: vec![1, 2, 4],
+        rounds: 1,
+        flow,
+        inflation,
+        network: None,
+        thesis_scene: None,
+    };
+    let scene = Scene::default();
+    let study = Study { scene: &scene, options: &options, costs, cores: 2, rounds: &rounds, base: &base };
+    study.rows(schedule, &tiles)
+}
+
+#[test]
+fn what_the_simulator_made_it_predicts_though_workers_are_slow_and_the_master_interrupts_them() {
+    for schedule in Schedule::all() {
+        for slowness in [[1.0, 1.0], [1.0, 1.3], [1.4, 1.2]] {
+            let [efficiency, predicted] = found(schedule, slowness);
+            assert!(
+                (efficiency - predicted).abs() < 0.01,
+                "{schedule:?} {slowness:?}: {efficiency} {predicted}"
+            );
+        }
+    }
+}
+
+#[test]
+fn simulated_efficiency_is_against_the_usual_single_worker_and_obeys_inflation() {
+    let efficiency = |inflation| {
+        let row = rows(Schedule::default(), [1.0, 1.0], inflation, &COSTS).remove(2);
+        assert!(row.simulated && row.workers == 4 && row.predicted.is_none(), "{row:?}");
+        row.efficiency
+    };
+    // Stealing loses next to nothing, though two of three rounds were slow.
+    let plain = efficiency(1.0);
+    assert!(plain > 0.95 && plain < 1.01, "{plain}");
+    let inflated = efficiency(2.0);
+    assert!((inflated - plain / 2.0).abs() < 0.01, "{inflated} {plain}");
+}
+
+#[test]
+fn a_simulator_with_dearer_steals_says_too_little_and_that_is_told() {
+    let dear = Costs { steal: 2.0, ..COSTS };
+    let row = rows(Schedule::default(), [1.0, 1.4], 1.0, &dear).remove(1);
+    let (apart, predicted) = (row.apart.unwrap(), row.predicted.unwrap());
+    assert!(apart.median < -0.01 && apart.low <= apart.median && apart.rounds == 3, "{row:?}");
+    assert!((apart.median - (predicted - row.efficiency)).abs() < 0.01, "{row:?}");
+}
+
+#[test]
+fn the_least_sample_is_found() {
+    assert_eq!(least(&[3.0, 1.0, 2.0]), 1.0);
+}
+
+/// Streams of one worker and of two, whose reports took so long, two tiles each.
+fn with_latencies(workers: usize, latencies: &[f64]) -> Measured {
+    let stream = |&latency: &f64| {
+        let span = |x| Span {
+            frame: 0,
+            worker: 0,
+            tile: Tile { x, y: 0, width: 16, height: 16 },
+            start: 0.0,
+            end: 1.0,
+        };
+        let mut stream = FrameStats { frames: 1, spans: vec![span(0), span(16)], ..FrameStats::default() };
+        (stream.reports.awaited, stream.reports.latency_sum) = (2, 2.0 * latency);
+        stream
+    };
+    let schedule = Schedule::default();
+    Measured { schedule, workers, streams: latencies.iter().map(stream).collect() }
+}
+
+#[test]
+fn a_round_is_as_slow_as_its_reports_were_against_one_worker_and_the_median_round() {
+    let one = with_latencies(1, &[1.0; 6]);
+    let alone = Alone {
+        measured: &one,
+        slowness: vec![1.0, 2.0, 1.0],
+        seconds: vec![],
+        simulated: vec![],
+        costs: Costs { copied: Some([3.0, 5.0]), ..COSTS },
+        usual: 0.0,
+    };
+    let rounds = Round::all(&with_latencies(2, &[8.0, 8.0, 2.0]), &alone);
+    // 8, 4 and 2, where one worker's tiles took as long as usual: the median is 4.
+    let found: Vec<_> = rounds.iter().map(|round| (round.pace, round.copied)).collect();
+    // Nothing was copied in these streams: what is known is as much dearer.
+    let expected = [2.0, 1.0, 0.5].map(|pace| (pace, Some([3.0 * pace, 5.0 * pace])));
+    assert_eq!(found, expected);
+    // Where reports tell nothing, tiles do.
+    let rounds = Round::all(&with_latencies(2, &[0.0; 3]), &alone);
+    assert!(rounds.iter().all(|round| round.pace == 1.0 && round.slowness == [1.0; 2]));
+}
+
+#[test]
+fn copying_costs_what_it_did_in_streams_with_a_worker_on_every_core() {
+    for strategy in [crate::schedule::Strategy::Stealing, crate::schedule::Strategy::Static] {
+        let schedule = Schedule { strategy, film: crate::schedule::FilmMode::Messages };
+        let efficiencies = |known: Costs| {
+            let rows = rows(schedule, [1.0, 1.0], 1.0, &known);
+            [rows[1].predicted.unwrap(), rows[2].efficiency]
+        };
+        let right = efficiencies(COSTS);
+        // Measured beside them, it may have been ten times as dear.
+        let told = efficiencies(Costs {
+            copied: COSTS.copied.map(|copied| copied.map(|byte| 10.0 * byte)),
+            ..COSTS
+        });
+        assert!((0..2).all(|i| (right[i] - told[i]).abs() < 0.01), "{strategy:?} {right:?} {told:?}");
+    }
+}

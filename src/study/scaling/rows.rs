@@ -96,8 +96,9 @@ impl Round {
             None => slowness.iter().map(|workers| mean(workers)).collect(),
         });
         let round = |(((slowness, streams), &one), pace): (((Vec<f64>, &[FrameStats]), _), _)| {
-            let copied = alone.costs.copied_in(streams, measured.schedule, one);
-            Round { slowness, pace, copied: copied.or(alone.costs.slower(1.0, pace).copied) }
+            let costs = alone.costs.slower(mean(&slowness), pace);
+            let copied = costs.copied_in(streams, measured.schedule, one).or(costs.copied);
+            Round { slowness, pace, copied }
         };
         slowness.into_iter().zip(measured.rounds()).zip(&alone.slowness).zip(paces).map(round).collect()
     }

@@ -2,7 +2,7 @@
 
 use super::super::Flow;
 use super::*;
-use crate::schedule::{SharedCore, Span};
+use crate::schedule::{FilmMode, SharedCore, Span, Strategy};
 use crate::tile::{self, Order};
 
 const SHARED: SharedCore = SharedCore {
@@ -48,8 +48,28 @@ fn found(schedule: Schedule, slowness: [f64; 2]) -> [f64; 2] {
 }
 
 /// Rows of one worker, two of such slowness, and four that are simulated with this inflation; the study takes messages for
-/// as dear as `costs` where streams do not tell.
+/// as dear as `costs` where streams do not tell. In the second round everything takes longer, and more so in the third one.
 fn rows(schedule: Schedule, slowness: [f64; 2], inflation: f64, costs: &Costs) -> Vec<ScalingRow> {
+    let turn = |pace| Turn { pace, shared: mean(&slowness), copied: 1.0 };
+    rows_of(schedule, slowness, &COSTS, [1.0, 1.3, 1.7].map(turn), inflation, costs)
+}
+
+/// By which factor everything takes longer in a round; messages on a core that the master shares beside that; and copying
+/// there beside that.
+struct Turn {
+    pace: f64,
+    shared: f64,
+    copied: f64,
+}
+
+fn rows_of(
+    schedule: Schedule,
+    slowness: [f64; 2],
+    truth: &Costs,
+    turns: [Turn; 3],
+    inflation: f64,
+    costs: &Costs,
+) -> Vec<ScalingRow> {
     let flow = Flow { frames: 2, in_flight: 2 };
     let base = tile::tiles(512, 512, 64, Order::Hilbert);
     let cost = |(i, &tile): (usize, &Tile)| Span {
@@ -64,13 +84,16 @@ fn rows(schedule: Schedule, slowness: [f64; 2], inflation: f64, costs: &Costs) -
     let tiles = TileCosts::new(&base, [&seen]);
     let measured = |workers| Measured { schedule, workers, streams: vec![] };
     let mut all = vec![measured(1), measured(2)];
-    // In the second round everything takes longer, and more so in the third one.
-    for pace in [1.0, 1.3, 1.7] {
-        let one = tiles.simulate(schedule, &[pace], flow, &base, &COSTS.slower(pace, pace));
+    for Turn { pace, shared, copied } in turns {
+        let one = tiles.simulate(schedule, &[pace], flow, &base, &truth.slower(pace, pace));
         all[0].streams.extend([one.clone(), one]);
         let paces = slowness.map(|slowness| slowness * pace);
-        let slower = COSTS.slower(mean(&paces), mean(&paces));
-        let two = tiles.simulate(schedule, &paces, flow.of(2, LONGEST_MEASURED), &base, &slower);
+        let slower = truth.slower(mean(&paces), shared * pace);
+        let slower = Costs { copied: slower.copied.map(|bytes| bytes.map(|byte| byte * copied)), ..slower };
+        let mut two = tiles.simulate(schedule, &paces, flow.of(2, LONGEST_MEASURED), &base, &slower);
+        // The simulator does not tell how long reports were under way.
+        two.reports.awaited = two.reports.count;
+        two.reports.latency_sum = two.reports.count as f64 * slower.copying.latency;
         all[1].streams.push(two);
     }
     let rounds = Rounds { all, ..Rounds::default() };
@@ -98,6 +121,24 @@ fn what_the_simulator_made_it_predicts_though_workers_are_slow_and_the_master_in
                 (efficiency - predicted).abs() < 0.01,
                 "{schedule:?} {slowness:?}: {efficiency} {predicted}"
             );
+        }
+    }
+}
+
+#[test]
+fn every_round_is_predicted_by_its_own_messages_and_copies() {
+    let truth = Costs { collect: 0.1, ..COSTS };
+    let turns = || {
+        let turn = |(shared, copied)| Turn { pace: 1.0, shared, copied };
+        [(3.0, 1.0), (1.5, 0.3), (0.5, 4.0)].map(turn)
+    };
+    for strategy in [Strategy::Dynamic, Strategy::Overlap] {
+        for film in FilmMode::ALL {
+            let schedule = Schedule { strategy, film };
+            let known = truth.slower(1.0, 1.5);
+            let row = rows_of(schedule, [1.5, 1.5], &truth, turns(), 1.0, &known).remove(1);
+            let apart = row.apart.unwrap();
+            assert!(apart.low > -0.015 && apart.high < 0.015, "{schedule:?} {apart:?}");
         }
     }
 }
@@ -172,8 +213,8 @@ fn a_round_is_as_slow_as_its_reports_were_against_one_worker_and_the_median_roun
 
 #[test]
 fn copying_costs_what_it_did_in_streams_with_a_worker_on_every_core() {
-    for strategy in [crate::schedule::Strategy::Stealing, crate::schedule::Strategy::Static] {
-        let schedule = Schedule { strategy, film: crate::schedule::FilmMode::Messages };
+    for strategy in [Strategy::Stealing, Strategy::Static] {
+        let schedule = Schedule { strategy, film: FilmMode::Messages };
         let efficiencies = |known: Costs| {
             let rows = rows(schedule, [1.0, 1.0], 1.0, &known);
             [rows[1].predicted.unwrap(), rows[2].efficiency]

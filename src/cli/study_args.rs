@@ -235,7 +235,7 @@ pub(super) struct ScalingArgs {
     pub(super) rounds: u32,
     /// Frames of a round for each worker, so that any number of workers has about as long to do
     #[arg(
-        long, value_name = "N", default_value = "2",
+        long, value_name = "N", default_value = "4",
         value_parser = whole(1..=16usize), allow_negative_numbers = true
     )]
     pub(super) frames: usize,

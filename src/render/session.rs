@@ -9,7 +9,10 @@ use crate::{
     camera::Camera,
     error::Result,
     film::Film,
-    schedule::{Control, FilmMode, FrameStats, Master, Placement, Schedule, Source, with_workers},
+    schedule::{
+        Control, FilmMode, FrameStats, Load, Master, Placement, Schedule, SharedCoreProbe, Source,
+        with_workers,
+    },
     shade::RayTally,
     tile::Tile,
 };
@@ -29,6 +32,7 @@ impl Stage<'_> {
         let ([width, height], adaptive) = (self.options().size, self.adaptive());
         with_workers(&task, placement, |master| {
             body(&mut Session {
+                task: &task,
                 master,
                 camera,
                 adaptive,
@@ -42,6 +46,7 @@ impl Stage<'_> {
 
 /// Workers and a film.
 pub struct Session<'m, 'a> {
+    task: &'m RenderTask<'a>,
     master: &'m mut Master<RenderTask<'a>>,
     camera: Camera,
     /// Only pixels that differ by more than this get all samples.
@@ -176,6 +181,33 @@ impl Session<'_, '_> {
         let stats = self.master.run_stream(schedule, in_flight, tiles, control, &mut source)?;
         (self.films, self.spare) = (source.films, source.blank);
         Ok(stats)
+    }
+
+    /// A round of the probe with tiles of this scene, rendered onto the films of all streams so far, which are gone then; see
+    /// [`SharedCoreProbe::measure`]. The workers stay parked.
+    ///
+    /// # Panics
+    /// If there are no tiles.
+    pub fn probe(
+        &mut self,
+        probe: &mut SharedCoreProbe,
+        mode: FilmMode,
+        tiles: &[Tile],
+        messages: usize,
+        cpus: [usize; 2],
+    ) {
+        let mut films = std::mem::take(&mut self.spare);
+        films.append(&mut self.films);
+        if films.is_empty() {
+            films.push(Film::new(self.film.width(), self.film.height()));
+        }
+        let frame = |film| Frame { camera: self.camera, film, mode, pass: Pass::All };
+        let frames: Vec<Frame> = films.into_iter().map(frame).collect();
+        let collect = |frame: &Frame, tile, report: &mut TileReport| {
+            frame.collect(tile, report, &mut TileReport::default());
+        };
+        probe.measure(&Load { task: self.task, frames: &frames, tiles, collect: &collect }, messages, cpus);
+        self.spare = frames.into_iter().map(|frame| frame.film).collect();
     }
 
     /// The images of the last stream.

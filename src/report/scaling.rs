@@ -51,13 +51,14 @@ struct IdleRecord {
     tail: f64,
 }
 
-/// Messages of one direction in the stream of the median round; latencies in seconds.
+/// Messages of one direction in the stream of the median round; latencies in seconds; late are those of more than 0.3 ms.
 #[derive(Clone, Debug, Serialize)]
 struct MessageRecord {
     count: usize,
     awaited: usize,
     latency_mean: f64,
     latency_max: f64,
+    late: usize,
 }
 
 impl From<&ScalingRow> for ScalingRecord {
@@ -67,6 +68,7 @@ impl From<&ScalingRow> for ScalingRecord {
             awaited: m.awaited,
             latency_mean: m.latency(),
             latency_max: m.latency_max,
+            late: m.late,
         };
         let idle = row.frame.workers.iter().map(|worker| IdleRecord {
             tiles: worker.tiles,

@@ -184,6 +184,8 @@ mod tests {
             send: 1e-6,
             reply: 1e-6,
             to_master: 1e-5,
+            late: 0.0,
+            delay: 0.0,
             to_worker: 1e-5,
             collect: 1e-6,
             collect_tile: 1e-7,

@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::tile::Tile;
 use crossbeam_deque::Worker as Deque;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// A stream of frames, from planning the first one to collecting the last result.
 pub(super) struct Running {
@@ -35,6 +35,27 @@ impl Running {
         self.workers.partition_point(|&other| other < worker)
     }
 
+    /// A report is there; if the master waited for it, it was under way for so long.
+    pub(super) fn arrived(&mut self, worker: usize, latency: Option<Duration>) {
+        let worker = self.place_of(worker);
+        for reports in [&mut self.stats.reports, &mut self.stats.workers[worker].reports] {
+            reports.count += 1;
+            latency.into_iter().for_each(|latency| reports.arrived(latency));
+        }
+    }
+
+    /// A report was handled, and answered.
+    pub(super) fn handled(&mut self, worker: usize, time: Duration) {
+        let worker = self.place_of(worker);
+        self.stats.workers[worker].handled += time.as_secs_f64();
+    }
+
+    /// Part of that was waking the worker.
+    pub(super) fn woke(&mut self, worker: usize, time: Duration) {
+        let worker = self.place_of(worker);
+        self.stats.workers[worker].woken += time.as_secs_f64();
+    }
+
     /// Takes the figures and the failure out of a parcel.
     pub(super) fn note<O>(&mut self, worker: usize, parcel: &mut Parcel<O>) {
         let worker = self.place_of(worker);
@@ -42,8 +63,11 @@ impl Running {
         for wait in &parcel.waits {
             let (start, end) = (self.since_start(wait.start), self.since_start(wait.end));
             self.pauses.push(Pause { worker, start, end, deliver: wait.deliver });
+            self.stats.workers[worker].answers.arrived(wait.latency);
+            if !wait.deliver {
+                self.stats.tasks.arrived(wait.latency);
+            }
         }
-        parcel.task_latencies.iter().for_each(|&latency| self.stats.tasks.arrived(latency));
         if let Some((Tile { x, y, width, height }, message)) = parcel.failure.take() {
             self.fail(Error::Worker { x, y, width, height, message });
         }
@@ -83,8 +107,7 @@ impl<F> Flight<F> {
     pub(super) fn task(&mut self, worker: usize, work: Work, stats: &mut FrameStats) -> Task<F> {
         self.due[worker] += 1;
         stats.tasks.count += 1;
-        let unfinished = self.unfinished.clone();
-        Task { shared: Arc::clone(&self.shared), work, sent: Instant::now(), unfinished }
+        Task { shared: Arc::clone(&self.shared), work, unfinished: self.unfinished.clone() }
     }
 
     /// The next tiles of this frame, as a message for `worker`; `None` if all are dealt.

@@ -9,7 +9,7 @@ use super::sync::{Condvar, Mutex, MutexGuard, yield_now};
 use std::collections::VecDeque;
 use std::sync::PoisonError;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// What the master laid out for one worker.
 pub(super) struct Desk<F, O> {
@@ -24,11 +24,19 @@ struct OnDesk<F, O> {
     parcels: Vec<Box<Parcel<O>>>,
     closed: bool,
     worker_waits: bool,
+    /// When it was woken.
+    woken: Option<Instant>,
 }
 
 impl<F, O> Desk<F, O> {
     pub(super) fn new() -> Desk<F, O> {
-        let state = OnDesk { tasks: VecDeque::new(), parcels: vec![], closed: false, worker_waits: false };
+        let state = OnDesk {
+            tasks: VecDeque::new(),
+            parcels: vec![],
+            closed: false,
+            worker_waits: false,
+            woken: None,
+        };
         Desk { state: Mutex::new(state), changed: Condvar::new() }
     }
 
@@ -37,12 +45,12 @@ impl<F, O> Desk<F, O> {
         lock(&self.state).parcels.resize_with(count, Box::default);
     }
 
-    /// Master: lays down a parcel, a task, both or nothing.
-    pub(super) fn lay(&self, parcel: Option<Box<Parcel<O>>>, task: Option<Task<F>>) {
+    /// Master: lays down a parcel, a task, both or nothing. Whether the worker had to be woken.
+    pub(super) fn lay(&self, parcel: Option<Box<Parcel<O>>>, task: Option<Task<F>>) -> bool {
         let mut state = lock(&self.state);
         state.parcels.extend(parcel);
         state.tasks.extend(task);
-        self.wake(state);
+        self.wake(state)
     }
 
     /// Master: no more tasks and parcels will come.
@@ -57,27 +65,31 @@ impl<F, O> Desk<F, O> {
         lock(&self.state).tasks.clear();
     }
 
-    fn wake(&self, mut state: MutexGuard<'_, OnDesk<F, O>>) {
+    fn wake(&self, mut state: MutexGuard<'_, OnDesk<F, O>>) -> bool {
         let waits = std::mem::take(&mut state.worker_waits);
+        if waits {
+            state.woken = Some(Instant::now());
+        }
         drop(state);
         if waits {
             self.changed.notify_one();
         }
+        waits
     }
 
-    /// Worker: the next task, or `None` if the desk is closed. Second, whether it had to wait.
-    pub(super) fn task(&self) -> (Option<Task<F>>, bool) {
+    /// Worker: the next task, or `None` if the desk is closed. Second, if it had to wait, how long waking it took.
+    pub(super) fn task(&self) -> (Option<Task<F>>, Option<Duration>) {
         self.wait_for(|state| state.tasks.pop_front())
     }
 
-    /// Worker: an empty parcel, or `None` if the desk is closed. Second, whether it had to wait.
-    pub(super) fn parcel(&self) -> (Option<Box<Parcel<O>>>, bool) {
+    /// Worker: an empty parcel, or `None` if the desk is closed. Second, if it had to wait, how long waking it took.
+    pub(super) fn parcel(&self) -> (Option<Box<Parcel<O>>>, Option<Duration>) {
         self.wait_for(|state| state.parcels.pop())
     }
 
-    fn wait_for<T>(&self, take: impl Fn(&mut OnDesk<F, O>) -> Option<T>) -> (Option<T>, bool) {
+    fn wait_for<T>(&self, take: impl Fn(&mut OnDesk<F, O>) -> Option<T>) -> (Option<T>, Option<Duration>) {
         let mut state = lock(&self.state);
-        let mut waited = false;
+        let mut waited = None;
         loop {
             // A closed desk is left at once: the master is gone, and so is the frame.
             if state.closed {
@@ -86,10 +98,10 @@ impl<F, O> Desk<F, O> {
             if let Some(taken) = take(&mut state) {
                 return (Some(taken), waited);
             }
-            waited = true;
             state.worker_waits = true;
             state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
             state.worker_waits = false;
+            waited = Some(state.woken.take().map_or(Duration::ZERO, |woken| woken.elapsed()));
         }
     }
 }
@@ -113,9 +125,14 @@ impl<O> Inbox<O> {
         Inbox { state: Mutex::new(state), changed: Condvar::new(), unread: AtomicBool::new(false) }
     }
 
-    /// Worker: sends a report.
-    pub(super) fn post(&self, report: Report<O>) {
+    /// Worker: sends a report. One that the master does not wait for has no latency: it is not told when it was sent.
+    pub(super) fn post(&self, mut report: Report<O>) {
         let mut state = lock(&self.state);
+        if let Report::Parcel { sent, .. } = &mut report
+            && !state.master_waits
+        {
+            *sent = None;
+        }
         state.reports.push_back(report);
         self.notify(state);
     }

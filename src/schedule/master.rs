@@ -186,26 +186,40 @@ impl<T: TileTask> Master<T> {
                     self.lose(worker);
                     self.fail(running, lost_worker());
                 }
-                Report::Parcel { worker, mut parcel, sent } => {
-                    running.stats.reports.count += 1;
-                    if let Some(sent) = sent {
-                        running.stats.reports.arrived(now.saturating_duration_since(sent));
-                    }
-                    self.collect(worker, &mut parcel, control, running, source);
-                    // Before the parcel goes back: its worker may be waiting for it with the next tile in mind.
-                    if control.cancelled() {
-                        self.fail(running, Error::Interrupted);
-                    }
-                    let entitled = parcel.finished && running.failure.is_none();
-                    let next = if entitled { self.next_task(worker, running) } else { None };
-                    parcel.empty();
-                    self.desks[worker].lay(Some(parcel), next);
+                Report::Parcel { worker, parcel, sent } => {
+                    let begun = Instant::now();
+                    running.arrived(worker, sent.map(|sent| now.saturating_duration_since(sent)));
+                    self.answer(worker, parcel, control, running, source);
+                    running.handled(worker, begun.elapsed());
                 }
             }
         }
         running.stats.master.reports += now.elapsed().as_secs_f64();
         if control.cancelled() {
             self.fail(running, Error::Interrupted);
+        }
+    }
+
+    /// Collects a parcel, and gives it back with what that entitles to.
+    fn answer(
+        &mut self,
+        worker: usize,
+        mut parcel: Box<Parcel<T::Output>>,
+        control: &Control<'_>,
+        running: &mut Running,
+        source: &mut impl Source<T>,
+    ) {
+        self.collect(worker, &mut parcel, control, running, source);
+        // Before the parcel goes back: its worker may be waiting for it with the next tile in mind.
+        if control.cancelled() {
+            self.fail(running, Error::Interrupted);
+        }
+        let entitled = parcel.finished && running.failure.is_none();
+        let next = if entitled { self.next_task(worker, running) } else { None };
+        parcel.empty();
+        let laying = Instant::now();
+        if self.desks[worker].lay(Some(parcel), next) {
+            running.woke(worker, laying.elapsed());
         }
     }
 

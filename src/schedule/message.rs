@@ -26,7 +26,6 @@ pub(super) struct Shared<F> {
 pub(super) struct Task<F> {
     pub(super) shared: Arc<Shared<F>>,
     pub(super) work: Work,
-    pub(super) sent: Instant,
     /// Of a frame whose tasks are all dealt at first, and entitle to nothing when they are finished.
     pub(super) unfinished: Option<Unfinished>,
 }
@@ -59,7 +58,7 @@ pub(super) enum Report<O> {
     /// Sent once, before the first task.
     Ready { worker: usize, pinned: Pinned },
     /// Results. The master empties the parcel and lays it back on the worker's desk.
-    /// `sent` if the master was to be woken.
+    /// `sent` if the master was woken for it.
     Parcel { worker: usize, parcel: Box<Parcel<O>>, sent: Option<Instant> },
     /// Sent at most once: the thread ends although its desk was not closed.
     Lost { worker: usize },
@@ -79,8 +78,6 @@ pub(super) struct Parcel<O> {
     pub(super) deque: Option<Deque<usize>>,
     /// How the worker waited since the last parcel.
     pub(super) waits: Vec<Wait>,
-    /// How long the tasks that the worker waited for were on their way.
-    pub(super) task_latencies: Vec<Duration>,
     pub(super) steals: usize,
 }
 
@@ -99,6 +96,8 @@ pub(super) struct Wait {
     pub(super) end: Instant,
     /// For an empty parcel, else for a task.
     pub(super) deliver: bool,
+    /// How long that was on its way.
+    pub(super) latency: Duration,
 }
 
 impl<O> Default for Parcel<O> {
@@ -111,7 +110,6 @@ impl<O> Default for Parcel<O> {
             failure: None,
             deque: None,
             waits: vec![],
-            task_latencies: vec![],
             steals: 0,
         }
     }
@@ -125,7 +123,6 @@ impl<O> Parcel<O> {
         self.failure = None;
         self.deque = None;
         self.waits.clear();
-        self.task_latencies.clear();
         self.steals = 0;
     }
 }

@@ -32,7 +32,7 @@ pub use deal::{Dealer, Run};
 pub use master::{Master, with_workers};
 pub use pin::{Machine, Pinned, Placement, pin_current_thread, refusals};
 pub use plan::{End, Plan};
-pub use probe::{Load, SharedCore, SharedCoreProbe, steal_seconds};
+pub use probe::{Collect, Load, SharedCore, SharedCoreProbe, steal_seconds};
 pub use source::Source;
 pub use stats::{FrameStats, Idle, MasterSeconds, Messages, Pause, Span, WorkerStats};
 pub use strategy::{FilmMode, Schedule, Strategy};

@@ -2,7 +2,7 @@
 
 mod shared_core;
 
-pub use shared_core::{Load, SharedCore, SharedCoreProbe};
+pub use shared_core::{Collect, Load, SharedCore, SharedCoreProbe};
 
 use crossbeam_deque::Worker as Deque;
 use std::sync::mpsc;

@@ -58,14 +58,36 @@ pub struct WorkerStats {
     pub idle: Idle,
     /// How often it took work from another worker.
     pub steals: usize,
+    /// Its reports.
+    pub reports: Messages,
+    /// The answers that it waited for; they are not counted.
+    pub answers: Messages,
+    /// Seconds that the master was busy with its reports and with their answers.
+    pub handled: f64,
+    /// Seconds of these in which it woke the worker.
+    pub woken: f64,
 }
 
 impl WorkerStats {
     /// Nothing done yet.
-    pub(super) fn new(pinned: Pinned) -> WorkerStats {
-        WorkerStats { pinned, busy_seconds: 0.0, tiles: 0, idle: Idle::default(), steals: 0 }
+    pub(crate) fn new(pinned: Pinned) -> WorkerStats {
+        let (idle, reports, answers) = (Idle::default(), Messages::default(), Messages::default());
+        WorkerStats {
+            pinned,
+            busy_seconds: 0.0,
+            tiles: 0,
+            idle,
+            steals: 0,
+            reports,
+            answers,
+            handled: 0.0,
+            woken: 0.0,
+        }
     }
 }
+
+/// A message is late if it was not read after so many seconds: several times what waking takes, and a part of any time slice.
+pub(super) const LATE: f64 = 3e-4;
 
 /// Messages of one direction. Those that were there before anybody waited for them have no latency.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -78,6 +100,11 @@ pub struct Messages {
     pub latency_sum: f64,
     /// The longest one in seconds.
     pub latency_max: f64,
+    /// How many were late: under way for more than 0.3 ms, because the system, or the host of a virtual machine, had something
+    /// else to do.
+    pub late: usize,
+    /// The sum of their latencies in seconds.
+    pub late_sum: f64,
 }
 
 impl Messages {
@@ -87,13 +114,19 @@ impl Messages {
         self.awaited += 1;
         self.latency_sum += seconds;
         self.latency_max = self.latency_max.max(seconds);
+        if seconds > LATE {
+            self.late += 1;
+            self.late_sum += seconds;
+        }
     }
 
-    fn add(&mut self, other: &Messages) {
+    pub(crate) fn add(&mut self, other: &Messages) {
         self.count += other.count;
         self.awaited += other.awaited;
         self.latency_sum += other.latency_sum;
         self.latency_max = self.latency_max.max(other.latency_max);
+        self.late += other.late;
+        self.late_sum += other.late_sum;
     }
 
     /// Mean latency in seconds; 0 if none was awaited.
@@ -153,6 +186,10 @@ impl FrameStats {
             worker.idle.work += next.idle.work;
             worker.idle.deliver += next.idle.deliver;
             worker.idle.tail += next.idle.tail;
+            worker.reports.add(&next.reports);
+            worker.answers.add(&next.answers);
+            worker.handled += next.handled;
+            worker.woken += next.woken;
         }
         self.tasks.add(&next.tasks);
         self.reports.add(&next.reports);
@@ -239,7 +276,14 @@ mod tests {
                 seconds,
                 workers: vec![WorkerStats::new(Pinned::Free); 2],
                 spans: vec![Span { frame: 0, worker, tile, start: 1.0, end: 2.0 }],
-                tasks: Messages { count: 2, awaited: 1, latency_sum: seconds, latency_max: seconds },
+                tasks: Messages {
+                    count: 2,
+                    awaited: 1,
+                    latency_sum: seconds,
+                    latency_max: seconds,
+                    late: 1,
+                    late_sum: 2.0 * seconds,
+                },
                 ..FrameStats::default()
             };
             stats.sum_up(&[]);
@@ -254,7 +298,9 @@ mod tests {
             assert_eq!((worker.busy_seconds, worker.tiles), (1.0, 1));
             assert_eq!(worker.idle, Idle { start, tail, ..Idle::default() });
         }
-        assert_eq!(both.tasks, Messages { count: 4, awaited: 2, latency_sum: 7.0, latency_max: 4.0 });
+        let tasks =
+            Messages { count: 4, awaited: 2, latency_sum: 7.0, latency_max: 4.0, late: 2, late_sum: 14.0 };
+        assert_eq!(both.tasks, tasks);
     }
 
     #[test]
@@ -264,5 +310,8 @@ mod tests {
         messages.arrived(Duration::from_secs(1));
         messages.arrived(Duration::from_secs(4));
         assert_eq!((messages.awaited, messages.latency(), messages.latency_max), (2, 2.5, 4.0));
+        assert_eq!((messages.late, messages.late_sum), (2, 5.0));
+        messages.arrived(Duration::from_micros(299));
+        assert_eq!((messages.awaited, messages.late, messages.late_sum), (3, 2, 5.0));
     }
 }

@@ -3,6 +3,7 @@
 mod ahead;
 mod cancel;
 mod dying;
+mod figures;
 mod panics;
 mod stream;
 

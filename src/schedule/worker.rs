@@ -28,7 +28,7 @@ pub(super) fn work<T: TileTask>(
         let scratch = guarded(|| task.scratch(worker)).ok();
         inbox.post(Report::Ready { worker, pinned });
         let now = Instant::now();
-        let log = Log { waits: vec![], task_latencies: vec![], steals: 0, last_post: now };
+        let log = Log { waits: vec![], steals: 0, last_post: now };
         Hand { task, worker, desk, inbox, scratch, frame: 0, parcel: None, log }.serve();
     });
     if served.is_err() {
@@ -54,7 +54,6 @@ struct Hand<'a, T: TileTask> {
 /// What is told with the next parcel.
 struct Log {
     waits: Vec<Wait>,
-    task_latencies: Vec<Duration>,
     steals: usize,
     last_post: Instant,
 }
@@ -64,11 +63,9 @@ impl<T: TileTask> Hand<'_, T> {
         loop {
             let start = Instant::now();
             let (task, waited) = self.desk.task();
-            let Some(Task { shared, work, sent, unfinished }) = task else { return };
-            if waited {
-                let end = Instant::now();
-                self.log.waits.push(Wait { start, end, deliver: false });
-                self.log.task_latencies.push(end.saturating_duration_since(sent));
+            let Some(Task { shared, work, unfinished }) = task else { return };
+            if let Some(latency) = waited {
+                self.log.waits.push(Wait { start, end: Instant::now(), deliver: false, latency });
             }
             self.log.last_post = Instant::now();
             self.frame = shared.number;
@@ -180,8 +177,8 @@ impl<T: TileTask> Hand<'_, T> {
         if self.parcel.is_none() {
             let start = Instant::now();
             let (parcel, waited) = self.desk.parcel();
-            if waited {
-                self.log.waits.push(Wait { start, end: Instant::now(), deliver: true });
+            if let Some(latency) = waited {
+                self.log.waits.push(Wait { start, end: Instant::now(), deliver: true, latency });
             }
             self.parcel = parcel;
         }
@@ -206,7 +203,6 @@ impl<T: TileTask> Hand<'_, T> {
         let mut parcel = self.parcel.take()?;
         parcel.frame = self.frame;
         parcel.waits.append(&mut self.log.waits);
-        parcel.task_latencies.append(&mut self.log.task_latencies);
         parcel.steals = std::mem::take(&mut self.log.steals);
         self.log.last_post = Instant::now();
         Some(parcel)

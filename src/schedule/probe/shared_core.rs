@@ -8,18 +8,45 @@
 //!                                 <---- interrupt + work -->
 //! ```
 //!
-//! Both cores send, as workers do, and walk through memory, as tiles do: the system's own code and data for waking somebody
-//! are then not in the innermost caches, either. Now and then the system finds that the reader had enough for a while, the
-//! sooner the more it has to do for a message, and lets who computes go on to the end of a time slice. Then a message is late.
+//! Both cores send, as workers do, and run tiles of a scene between. What it costs to wake somebody depends on what tiles leave
+//! of the system's own code and data in the caches, and of the hypervisor's: on a virtual machine it takes twice as long where
+//! all of a core's second-level cache was read meanwhile as where it was not. Now and then the system finds that the reader had
+//! enough for a while, the sooner the more it has to do for a message, and lets who computes go on to the end of a time slice.
+//! Then a message is late.
 
 mod bench;
 
 use crate::math::median;
-pub use bench::Load;
-use bench::{Bench, LATE, Trip};
+use crate::schedule::TileTask;
+use crate::schedule::stats::LATE;
+use crate::tile::Tile;
+use bench::{Bench, Trip};
 
 /// Of who goes on after sending there are so many times as many messages: what is late is rare.
 const MORE: usize = 3;
+
+/// What is done with the output of a tile of a frame.
+pub type Collect<'a, T> = dyn Fn(&<T as TileTask>::Frame, Tile, &mut <T as TileTask>::Output) + Sync + 'a;
+
+/// What is computed, and sent.
+pub struct Load<'a, T: TileTask> {
+    /// Runs tiles, each any number of times.
+    pub task: &'a T,
+    /// At least one; their tiles are run one frame after another.
+    pub frames: &'a [T::Frame],
+    /// At least one, of each frame.
+    pub tiles: &'a [Tile],
+    /// What the reader does with a tile's output.
+    pub collect: &'a Collect<'a, T>,
+}
+
+impl<T: TileTask> Load<'_, T> {
+    /// The frame and the tile at a place; behind the last frame follows the first one.
+    fn at(&self, place: usize) -> (&T::Frame, Tile) {
+        let (frame, tile) = (place / self.tiles.len(), place % self.tiles.len());
+        (&self.frames[frame % self.frames.len()], self.tiles[tile])
+    }
+}
 
 /// As in the picture above, in seconds. Of messages that were alone, and in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,6 +81,23 @@ impl SharedCore {
         SharedCore { send, latency, interrupt, switch, reply, back, wait, work, late, delay }
     }
 
+    /// The median of each of them; `None` of none.
+    pub fn median(all: &[SharedCore]) -> Option<SharedCore> {
+        let of = |of: fn(&SharedCore) -> f64| median(&all.iter().map(of).collect::<Vec<f64>>());
+        (!all.is_empty()).then(|| SharedCore {
+            send: of(|shared| shared.send),
+            latency: of(|shared| shared.latency),
+            interrupt: of(|shared| shared.interrupt),
+            switch: of(|shared| shared.switch),
+            reply: of(|shared| shared.reply),
+            back: of(|shared| shared.back),
+            wait: of(|shared| shared.wait),
+            work: [of(|shared| shared.work[0]), of(|shared| shared.work[1])],
+            late: of(|shared| shared.late),
+            delay: of(|shared| shared.delay),
+        })
+    }
+
     /// The same where everything takes `factor` times as long. A time slice is still a time slice.
     pub fn slower(self, factor: f64) -> SharedCore {
         SharedCore {
@@ -75,6 +119,8 @@ impl SharedCore {
 #[derive(Default)]
 pub struct SharedCoreProbe {
     rounds: Vec<Round>,
+    /// Where the next round begins, so that all tiles get their turn.
+    next: usize,
 }
 
 /// Messages that were answered, from the other core and from the reader's own, and such whose sender goes on.
@@ -85,15 +131,21 @@ struct Round {
 }
 
 impl SharedCoreProbe {
-    /// A round of `messages` messages and more from `other` to a thread on `core`, where another thread computes and sends as
-    /// many; the reader has `load` to do for each. Nothing is measured if threads cannot be pinned to these CPUs.
-    pub fn measure(&mut self, messages: usize, core: usize, other: usize, load: &dyn Load) {
-        let round = || {
-            let (theirs, own) = Bench::new(load, true).messages(messages, core, other)?;
-            let (unanswered, _) = Bench::new(load, false).messages(MORE * messages, core, other)?;
-            Some(Round { theirs, own, unanswered })
+    /// A round of `each` messages and more from the first of these CPUs to a thread on the second, where another thread
+    /// computes and sends as many; fewer if tiles take long. Nothing is measured if threads cannot be pinned to them.
+    ///
+    /// # Panics
+    /// If there is no frame or no tile.
+    pub fn measure<T: TileTask>(&mut self, load: &Load<'_, T>, each: usize, cpus: [usize; 2]) {
+        let mut trips = |count, waits| {
+            let bench = Bench::new(load, self.next, waits);
+            let trips = bench.messages(count, cpus);
+            self.next = bench.next();
+            trips
         };
-        self.rounds.extend(round());
+        let Some((theirs, own)) = trips(each, true) else { return };
+        let Some((unanswered, _)) = trips(MORE * each, false) else { return };
+        self.rounds.push(Round { theirs, own, unanswered });
     }
 
     /// What they are in the median round; `None` if none was measured. What no message shows takes no time.
@@ -138,84 +190,4 @@ fn mean(seconds: &[f64]) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use std::time::Duration;
-
-    #[test]
-    fn every_part_is_seen_or_nothing_is() {
-        let cpus: Vec<usize> =
-            core_affinity::get_core_ids().unwrap_or_default().iter().map(|core| core.id).collect();
-        let [core, other, ..] = cpus[..] else { return };
-        let mut probe = SharedCoreProbe::default();
-        (0..2).for_each(|_| probe.measure(25, core, other, &Duration::from_micros(10)));
-        let shared = probe.costs().unwrap();
-        let SharedCore { send, latency, interrupt, switch, reply, back, wait, work, late, delay } = shared;
-        // On a busy machine it may be that no message is alone.
-        for seconds in [send, latency, interrupt, switch, reply, back, wait] {
-            assert!((0.0..1.0).contains(&seconds), "{shared:?}");
-        }
-        assert!(wait == 0.0 || wait > 1e-5, "{shared:?}");
-        assert!(work.into_iter().all(|work| work == 0.0 || work >= 1e-5), "{shared:?}");
-        assert!((0.0..=1.0).contains(&late) && if late > 0.0 { delay > LATE } else { delay == 0.0 });
-        let mut nowhere = SharedCoreProbe::default();
-        nowhere.measure(1, usize::MAX, other, &Duration::ZERO);
-        assert_eq!(nowhere.costs(), None, "no such CPU");
-    }
-
-    /// Messages that took so long to be read, by a reader who had nothing else to do.
-    fn trips(latencies: &[f64]) -> Vec<Trip> {
-        let trip = |&latency| Trip {
-            send: 1e-6,
-            latency,
-            work: 2e-6,
-            reply: 3e-6,
-            back: 4e-6,
-            wait: 20e-6,
-            gap: 9e-6,
-            asleep: true,
-            alone: true,
-        };
-        latencies.iter().map(trip).collect()
-    }
-
-    #[test]
-    fn the_median_round_counts_and_in_it_the_mean() {
-        let round = |latencies: &[f64]| Round {
-            theirs: trips(latencies),
-            own: trips(&[]),
-            unanswered: trips(&[1e-6, 1e-6, 1e-3, 3e-3]),
-        };
-        // A noisy while is not typical; what is late does not count; nor does a round in which nothing was seen.
-        let probe = SharedCoreProbe {
-            rounds: vec![round(&[1e-6, 3e-6]), round(&[]), round(&[2e-4]), round(&[1e-6, 5e-6, 1e-3])],
-        };
-        let shared = probe.costs().unwrap();
-        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
-        near(shared.latency, 3e-6);
-        near(shared.interrupt, 4e-6);
-        near(shared.switch, 0.0);
-        near(shared.work[0], 2e-6);
-        near(shared.work[1], 0.0);
-        near(shared.late, 0.5);
-        near(shared.delay, 2e-3);
-        assert_eq!(SharedCoreProbe::default().costs(), None);
-    }
-
-    #[test]
-    fn on_a_slower_core_everything_takes_longer_but_a_time_slice() {
-        let all = |k: f64| SharedCore {
-            send: k,
-            latency: 2.0 * k,
-            interrupt: 3.0 * k,
-            switch: 4.0 * k,
-            reply: 5.0 * k,
-            back: 6.0 * k,
-            wait: 7.0 * k,
-            work: [8.0 * k, 9.0 * k],
-            late: 0.5,
-            delay: 3.0,
-        };
-        assert_eq!(all(1.0).slower(2.0), all(2.0));
-    }
-}
+mod tests;

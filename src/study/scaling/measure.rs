@@ -7,7 +7,7 @@
 
 use super::{
     Costs, Flow, LONGEST_MEASURED,
-    costs::{SharedCores, TILES_PER_MESSAGE},
+    costs::{MESSAGES, SharedCores},
     tiles::ratio,
 };
 use crate::error::Result;
@@ -19,9 +19,6 @@ use crate::schedule::{
 use crate::tile::Tile;
 use std::collections::HashMap;
 use std::ops::Range;
-
-/// Messages of each kind in a round between threads that share a core.
-const MESSAGES: usize = 250;
 
 /// Rounds of one schedule with one number of workers.
 #[derive(Clone, Debug)]
@@ -49,17 +46,6 @@ impl Measured {
         self.rounds().map(per_frame).collect()
     }
 
-    /// Mean seconds that a report took in each round; `None` if there were too few of them to tell.
-    pub(super) fn latencies(&self) -> Option<Vec<f64>> {
-        let of_round = |streams: &[FrameStats]| {
-            let sum = |of: fn(&FrameStats) -> f64| streams.iter().map(of).sum::<f64>();
-            let (awaited, tiles) = (sum(|s| s.reports.awaited as f64), sum(|s| s.spans.len() as f64));
-            let seconds = sum(|s| s.reports.latency_sum);
-            (seconds > 0.0 && awaited * TILES_PER_MESSAGE >= tiles).then(|| seconds / awaited)
-        };
-        self.rounds().map(of_round).collect()
-    }
-
     /// The stream whose time per frame is the median (of an even number the faster one of the middle two).
     pub(super) fn median_stream(&self) -> &FrameStats {
         let mut order: Vec<&FrameStats> = self.streams.iter().collect();
@@ -70,17 +56,10 @@ impl Measured {
     /// By which factor tiles take longer than those of `alone` in the same round: the median of the rounds. Tiles that only
     /// one of them has are left out: strategies may cut them in other ways for more workers.
     pub(super) fn inflation(&self, alone: &Measured) -> f64 {
-        let ratio = |(many, one): (&[FrameStats], &[FrameStats])| ratio(many, &mean_costs(one), |_| true);
-        median(&self.rounds().zip(alone.rounds()).map(ratio).collect::<Vec<f64>>())
-    }
-
-    /// The same of each worker's tiles, in each round.
-    pub(super) fn slowness(&self, alone: &Measured) -> Vec<Vec<f64>> {
-        let of_round = |(many, one): (&[FrameStats], &[FrameStats])| {
-            let one = mean_costs(one);
-            (0..self.workers).map(|worker| ratio(many, &one, |span| span.worker == worker)).collect()
+        let ratio = |(many, one): (&[FrameStats], &[FrameStats])| {
+            ratio(many, &mean_costs(one), |_| true).unwrap_or(1.0)
         };
-        self.rounds().zip(alone.rounds()).map(of_round).collect()
+        median(&self.rounds().zip(alone.rounds()).map(ratio).collect::<Vec<f64>>())
     }
 }
 
@@ -100,9 +79,9 @@ fn mean_costs(streams: &[FrameStats]) -> HashMap<Tile, f64> {
 pub(super) struct Rounds {
     /// One per schedule and number of workers.
     pub(super) all: Vec<Measured>,
-    /// Of each film mode, frames of one worker with tiles of half the side, a quarter and so on, down to 16 pixels: the
-    /// strategies that cut tiles cut them so.
-    pub(super) smaller: HashMap<FilmMode, Vec<FrameStats>>,
+    /// Of each film mode, in each round: streams of one worker with the same tiles again, then with tiles of half the side, a
+    /// quarter and so on, down to 16 pixels: the strategies that cut tiles cut them so.
+    pub(super) smaller: HashMap<FilmMode, Vec<Vec<FrameStats>>>,
 }
 
 /// How it is measured.
@@ -145,7 +124,8 @@ impl Method<'_> {
         let placement =
             Placement::new(Machine::get(), Some(most.max(Machine::get().default_workers())), self.pin);
         let costs = stage.with_session(&placement, |session| {
-            let mut shared = self.shared_cores(session, most);
+            let mut shared = SharedCores::new(self.pin, films(self.schedules));
+            let tiles = stage.tiles(self.side);
             let cores = placement.slots().len();
             let mut bench = Bench { stage, session, placement: &placement, control, hash: None };
             bench.warm_up(self)?;
@@ -161,21 +141,11 @@ impl Method<'_> {
                     one.streams.push(bench.stream(self, one.schedule, after..after + 1)?);
                 }
                 bench.smaller_tiles(self, round % cores, &mut rounds.smaller)?;
-                if !self.workers.is_empty() {
-                    shared.measure(MESSAGES, self.costs.collect);
-                }
+                shared.measure(bench.session, &tiles, MESSAGES);
             }
-            Ok(shared.found(*self.costs))
+            Ok(shared.found(*self.costs, &tiles))
         })?;
         Ok((rounds, costs))
-    }
-
-    /// To be measured with the films that streams with a worker on every core have.
-    fn shared_cores(&self, session: &Session<'_, '_>, most: usize) -> SharedCores {
-        let copied = films(self.schedules).any(|film| film == FilmMode::Messages);
-        let frames = self.flow.of(most, LONGEST_MEASURED).frames;
-        let size = [session.film().width(), session.film().height()];
-        SharedCores::new(self.pin, size, if copied { frames } else { 0 })
     }
 }
 
@@ -222,16 +192,19 @@ impl Bench<'_, '_, '_, '_> {
         &mut self,
         method: &Method<'_>,
         worker: usize,
-        smaller: &mut HashMap<FilmMode, Vec<FrameStats>>,
+        smaller: &mut HashMap<FilmMode, Vec<Vec<FrameStats>>>,
     ) -> Result<()> {
         self.employ(worker..worker + 1);
+        let Flow { frames, in_flight } = method.flow.of(1, LONGEST_MEASURED);
         for film in films(method.schedules) {
             let schedule = Schedule { strategy: Strategy::Stealing, film };
-            let halves = std::iter::successors(Some(method.side / 2), |side| Some(side / 2));
-            for side in halves.take_while(|&side| side >= 16) {
-                let stats = self.session.stream(schedule, &self.stage.tiles(side), 1, 1, self.control)?;
-                smaller.entry(film).or_default().push(stats);
-            }
+            let halves = std::iter::successors(Some(method.side), |side| Some(side / 2));
+            let sides = halves.enumerate().take_while(|&(cuts, side)| cuts == 0 || side >= 16);
+            let stream = |(_, side)| {
+                let tiles = self.stage.tiles(side);
+                self.session.stream(schedule, &tiles, frames, in_flight, self.control)
+            };
+            smaller.entry(film).or_default().push(sides.map(stream).collect::<Result<Vec<_>>>()?);
         }
         Ok(())
     }
@@ -282,32 +255,13 @@ mod tests {
     }
 
     #[test]
-    fn latencies_are_those_of_each_round_if_there_is_a_message_every_few_tiles() {
-        let tile = |x| Tile { x, y: 0, width: 16, height: 16 };
-        let round = |awaited, latency_sum| {
-            let mut stats = stream(&[0, 16, 32, 48, 64, 80, 96, 112].map(|x| (tile(x), 1.0)));
-            (stats.reports.awaited, stats.reports.latency_sum) = (awaited, latency_sum);
-            stats
-        };
-        let of = |streams| Measured { schedule: Schedule::default(), workers: 2, streams }.latencies();
-        assert_eq!(of(vec![round(4, 8.0), round(2, 6.0)]), Some(vec![2.0, 3.0]));
-        assert_eq!(of(vec![round(4, 8.0), round(1, 3.0)]), None);
-        assert_eq!(of(vec![round(4, 0.0)]), None, "a clock that saw nothing");
-    }
-
-    #[test]
     fn inflation_is_of_the_tiles_that_both_have_round_by_round() {
         let tile = |x| Tile { x, y: 0, width: 16, height: 16 };
         let measured = |workers, streams| Measured { schedule: Schedule::default(), workers, streams };
         let one = measured(1, vec![stream(&[(tile(0), 1.0), (tile(16), 2.0)]), stream(&[(tile(0), 3.0)])]);
         // 2 + 2 alone; the third tile is not known there.
-        let mut two = stream(&[(tile(0), 2.5), (tile(16), 2.5), (tile(32), 99.0)]);
-        two.spans[1].worker = 1;
+        let two = stream(&[(tile(0), 2.5), (tile(16), 2.5), (tile(32), 99.0)]);
         let two = measured(2, vec![two]);
         assert!((two.inflation(&one) - 1.25).abs() < 1e-12);
-        assert_eq!(two.slowness(&one), [[2.5 / 2.0, 2.5 / 2.0]]);
-        let mut slow = two.clone();
-        slow.streams[0].spans[1].end += 0.5;
-        assert_eq!(slow.slowness(&one), [[2.5 / 2.0, 3.0 / 2.0]]);
     }
 }

@@ -141,9 +141,9 @@ pub fn scaling(
     let base = stage.tiles(method.side);
     let mut rows = vec![];
     for film in measure::films(&options.schedules) {
-        let alone = || rounds.all.iter().filter(|m| m.workers == 1 && m.schedule.film == film);
-        let streams = alone().flat_map(|m| &m.streams).chain(rounds.smaller.get(&film).into_iter().flatten());
-        let tiles = TileCosts::new(&base, streams);
+        let alone = rounds.all.iter().filter(|m| m.workers == 1 && m.schedule.film == film);
+        let smaller = rounds.smaller.get(&film).map_or(&[][..], Vec::as_slice);
+        let tiles = TileCosts::new(&base, alone.flat_map(|m| &m.streams)).with_smaller(smaller);
         let study = Study { scene, options, costs: &costs, cores, rounds: &rounds, base: &base };
         for &schedule in options.schedules.iter().filter(|schedule| schedule.film == film) {
             rows.extend(study.rows(schedule, &tiles));
@@ -160,11 +160,10 @@ mod tests {
     #[test]
     fn what_limits_a_frame_is_told_by_its_mean_share() {
         let worker = |busy_seconds, start, tail| WorkerStats {
-            pinned: Pinned::Free,
             busy_seconds,
             tiles: 1,
             idle: Idle { start, work: 0.5, deliver: 0.0, tail },
-            steals: 0,
+            ..WorkerStats::new(Pinned::Free)
         };
         let frame = FrameStats {
             frames: 1,

@@ -9,7 +9,7 @@ use super::{
 use crate::{
     math::{Spread, median},
     scene::Scene,
-    schedule::{FrameStats, Schedule},
+    schedule::{FrameStats, Schedule, SharedCore},
     tile::Tile,
 };
 
@@ -50,57 +50,71 @@ impl<'a> Alone<'a> {
     fn new(measured: &'a Measured, full: Option<&Measured>, study: &Study, tiles: &TileCosts) -> Alone<'a> {
         let schedule = measured.schedule;
         let slowness: Vec<f64> = measured.rounds().map(|round| tiles.slowness_of_all(round)).collect();
-        let seen = |(streams, &slowness)| study.costs.seen_in(streams, schedule, slowness);
-        let seen: Vec<Costs> = measured.rounds().zip(&slowness).map(seen).collect();
         let simulate = |costs: &Costs| {
             tiles.simulate(schedule, &[1.0], study.options.flow, study.base, costs).per_frame()
         };
-        let costs = Costs::median(&seen).unwrap_or(*study.costs);
-        let copied = |full: &Measured| -> Vec<[f64; 2]> {
-            let of = |(streams, &slowness)| costs.copied_in(streams, schedule, slowness);
-            full.rounds().zip(&slowness).filter_map(of).collect()
+        // Each stream by itself: they are on different cores, and what waits for the dearer messages of one is not made good by the
+        // other.
+        let mut all = vec![];
+        let mut simulate_stream = |stream: &FrameStats| {
+            let stream = std::slice::from_ref(stream);
+            let own = tiles.slowness_of_all(stream);
+            let seen = study.costs.seen_in(stream, schedule, own);
+            all.push(seen);
+            own * simulate(&seen)
         };
-        let copied = match full.map(copied).unwrap_or_default() {
-            none if none.is_empty() => costs.copied,
-            some => Some([0, 1].map(|who| median(&some.iter().map(|byte| byte[who]).collect::<Vec<f64>>()))),
+        let mut simulate_round = |(streams, &slowness): (&[FrameStats], &f64)| {
+            mean(&streams.iter().map(&mut simulate_stream).collect::<Vec<f64>>()) / slowness
         };
-        let costs = Costs { copied, ..costs };
-        Alone {
-            measured,
-            slowness,
-            seconds: measured.seconds(),
-            simulated: seen.iter().map(simulate).collect(),
-            costs,
-            usual: simulate(&costs),
-        }
+        let simulated = measured.rounds().zip(&slowness).map(&mut simulate_round).collect();
+        let costs = Costs::median(&all).unwrap_or(*study.costs);
+        let costs = full.map_or(costs, |full| costs.as_in(full, tiles));
+        Alone { measured, slowness, seconds: measured.seconds(), simulated, costs, usual: simulate(&costs) }
     }
 }
 
-/// What the simulator is told of a round of several workers.
-struct Round {
-    /// By which factor the tiles of each of them took longer than one worker's.
-    slowness: Vec<f64>,
-    /// By which factor messages took longer than in the median round; where there are few, tiles.
-    pace: f64,
-    /// What a byte cost the master that it copied on a core where a worker computes.
-    copied: Option<[f64; 2]>,
+impl Costs {
+    /// With what messages cost in the median of rounds with a worker on every core, as far as these tell.
+    fn as_in(self, full: &Measured, tiles: &TileCosts) -> Costs {
+        // By what tiles took in that round, messages are as dear as they are taken to be.
+        let usual = |round: &[FrameStats]| tiles.slowness_of_all(round);
+        let shared: Vec<SharedCore> =
+            full.rounds().filter_map(|round| self.shared_in(round, full.schedule, usual(round))).collect();
+        let costs = Costs { shared: SharedCore::median(&shared).unwrap_or(self.shared), ..self };
+        let copied: Vec<[f64; 2]> =
+            full.rounds().filter_map(|round| costs.copied_in(round, full.schedule, usual(round))).collect();
+        let of = |who: usize| median(&copied.iter().map(|byte| byte[who]).collect::<Vec<f64>>());
+        let copied = if copied.is_empty() { self.copied } else { Some([of(0), of(1)]) };
+        Costs { copied, ..costs }
+    }
 }
 
-impl Round {
-    fn all(measured: &Measured, alone: &Alone) -> Vec<Round> {
-        let slowness = measured.slowness(alone.measured);
-        let paces = relative(match measured.latencies() {
-            Some(latencies) => {
-                latencies.iter().zip(&alone.slowness).map(|(latency, one)| latency / one).collect()
-            }
-            None => slowness.iter().map(|workers| mean(workers)).collect(),
-        });
-        let round = |(((slowness, streams), &one), pace): (((Vec<f64>, &[FrameStats]), _), _)| {
-            let costs = alone.costs.slower(mean(&slowness), pace);
-            let copied = costs.copied_in(streams, measured.schedule, one).or(costs.copied);
-            Round { slowness, pace, copied }
+/// A round of several workers.
+struct Round<'a> {
+    streams: &'a [FrameStats],
+    /// By which factor tiles took longer than they are taken to cost when one worker had them in that round, ...
+    one: f64,
+    /// ... and by which those of each of several workers took longer than then.
+    slowness: Vec<f64>,
+}
+
+impl<'a> Round<'a> {
+    fn all(measured: &'a Measured, alone: &Alone, tiles: &TileCosts) -> Vec<Round<'a>> {
+        let round = |(streams, &one): (&'a [FrameStats], &f64)| {
+            // By what tiles are taken to cost, since no single round tells that of each tile.
+            let of = |worker| tiles.slowness_of(streams, worker, one);
+            Round { streams, one, slowness: (0..measured.workers).map(of).collect() }
         };
-        slowness.into_iter().zip(measured.rounds()).zip(&alone.slowness).zip(paces).map(round).collect()
+        measured.rounds().zip(&alone.slowness).map(round).collect()
+    }
+
+    /// These costs where workers are as slow as here, and with what this round tells of messages on the core that the master
+    /// shares. What slows tiles down slows down everything else on the same cores.
+    fn costs(&self, usual: Costs, slowness: &[f64], schedule: Schedule) -> Costs {
+        let costs = usual.slower(mean(slowness));
+        let shared = costs.shared_in(self.streams, schedule, self.one).unwrap_or(costs.shared);
+        let costs = Costs { shared, ..costs };
+        Costs { copied: costs.copied_in(self.streams, schedule, self.one).or(costs.copied), ..costs }
     }
 }
 
@@ -129,7 +143,7 @@ impl Study<'_> {
         // One worker against itself, which no rounding should tell from 1.
         let predictions: Vec<f64> = match workers {
             1 => vec![1.0; ratios.len()],
-            _ => Round::all(measured, alone).iter().zip(&alone.simulated).map(predict).collect(),
+            _ => Round::all(measured, alone, tiles).iter().zip(&alone.simulated).map(predict).collect(),
         };
         let apart: Vec<f64> = predictions.iter().zip(&ratios).map(|(said, is)| said - is).collect();
         ScalingRow {
@@ -161,10 +175,10 @@ impl Study<'_> {
 
     /// The stream of workers of such slowness as the simulator has it, with what messages cost in this round.
     fn predict(&self, alone: &Alone, round: &Round, slowness: &[f64], tiles: &TileCosts) -> FrameStats {
-        // What slows tiles down slows down everything else on the same cores.
-        let costs = Costs { copied: round.copied, ..alone.costs.slower(mean(slowness), round.pace) };
+        let schedule = alone.measured.schedule;
+        let costs = round.costs(alone.costs, slowness, schedule);
         let flow = self.options.flow.of(slowness.len(), LONGEST_MEASURED);
-        tiles.simulate(alone.measured.schedule, slowness, flow, self.base, &costs)
+        tiles.simulate(schedule, slowness, flow, self.base, &costs)
     }
 
     fn simulated(&self, alone: &Alone, workers: usize, tiles: &TileCosts) -> ScalingRow {
@@ -205,12 +219,6 @@ impl Study<'_> {
             thesis: thesis.and_then(|name| thesis_figure(name, schedule.strategy, workers)),
         }
     }
-}
-
-/// Over their median.
-fn relative(samples: Vec<f64>) -> Vec<f64> {
-    let usual = median(&samples);
-    samples.into_iter().map(|sample| sample / usual).collect()
 }
 
 fn mean(samples: &[f64]) -> f64 {

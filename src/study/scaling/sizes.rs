@@ -4,7 +4,11 @@
 //! long as the cheapest. So each size is told with that ratio; and with that of the dearest tile to the mean, since a
 //! cheapest tile that shows nothing but background makes the first one huge.
 
-use super::{Costs, Flow, LONGEST_MEASURED, LONGEST_SIMULATED, ScalingOptions, tiles::TileCosts};
+use super::{
+    Costs, Flow, LONGEST_MEASURED, LONGEST_SIMULATED, ScalingOptions,
+    costs::{MESSAGES, SharedCores},
+    tiles::TileCosts,
+};
 use crate::{
     error::Result,
     math::median,
@@ -17,6 +21,8 @@ use std::collections::BTreeMap;
 
 /// Ratios of Plachetka's rule.
 const RATIOS: std::ops::RangeInclusive<f64> = 2.5..=4.0;
+/// Side of the tiles between messages.
+const BASE: u32 = 64;
 
 /// One size of tiles.
 #[derive(Clone, Debug)]
@@ -94,10 +100,13 @@ pub fn tile_sizes(
     let placement = Placement::new(Machine::get(), Some(most), render.pin);
     let counts: Vec<usize> =
         std::iter::once(1).chain(workers.iter().copied().filter(|&n| n > 1 && n <= cores)).collect();
+    // What a message costs hardly depends on the size of the tiles between.
+    let base = stage.tiles(BASE);
+    let mut shared = SharedCores::new(render.pin, std::iter::once(schedule.film));
     stage.with_session(&placement, |session| {
         // The first frames of new threads do not count.
         let Flow { frames, in_flight } = flow.of(most, LONGEST_MEASURED);
-        session.stream(schedule, &stage.tiles(64), frames, in_flight, control)?;
+        session.stream(schedule, &base, frames, in_flight, control)?;
         for round in 0..rounds as usize {
             for &side in sides {
                 for &count in &counts {
@@ -111,9 +120,11 @@ pub fn tile_sizes(
                     }
                 }
             }
+            shared.measure(session, &base, MESSAGES);
         }
         Ok(())
     })?;
+    let costs = shared.found(*costs, &base);
     let frames = |side: u32| alone.get(&side).map_or(&[][..], Vec::as_slice);
     let sizes: Vec<Size> = sides.iter().map(|&side| Size::new(&stage, side, frames(side))).collect();
     let mut rows = vec![];

@@ -1,6 +1,6 @@
 //! Costs measured with tiles that do nothing, between threads of this machine.
 
-use super::{Costs, NOTHING, SharedCores, shared};
+use super::{Costs, NOTHING};
 use crate::error::Result;
 use crate::film::Film;
 use crate::schedule::{
@@ -13,19 +13,20 @@ use std::time::Instant;
 
 /// Frames per measurement.
 const FRAMES: usize = 21;
-/// Messages between threads that share a core in a round ...
-const MESSAGES: usize = 250;
-/// ... of so many: enough to see how often one is late.
-const ROUNDS: usize = 6;
 /// Tiles in a side of an image of empty tiles, where the time per tile matters ...
 const SIDE: u32 = 128;
 /// ... the same of strategies that answer every tile: a message takes as long as hundreds of tiles do.
 const ANSWERED_SIDE: u32 = 32;
 /// ... and where the time per frame matters.
 const SMALL_SIDE: u32 = 16;
+/// Side of a tile whose pixels are copied ...
+const COPIED_SIDE: u32 = 64;
+/// ... and how many those are.
+const PIXELS: usize = (COPIED_SIDE * COPIED_SIDE) as usize;
 
 impl Costs {
-    /// Measures them, in about four seconds.
+    /// Measures them, in about two seconds. What messages cost on a core that the master shares is a guess, until it is measured
+    /// with the tiles of a scene.
     ///
     /// # Errors
     /// [`crate::error::Error::Flag`] if a thread cannot be started.
@@ -46,23 +47,21 @@ impl Costs {
         let nothing = Costs { collect_tile, tile, ..NOTHING };
         let answered = Schedule { strategy: Strategy::Dynamic, film: FilmMode::Shared };
         let seen = nothing.seen_in(quieter_half(&mut dynamic), answered, 1.0);
-        let Costs { send, reply, to_master, collect, .. } = seen;
+        let Costs { send, reply, to_master, .. } = seen;
         // To the master and back, each about what waking somebody costs.
         let guess = SharedCore::punctual(send, to_master, 3.0 * send, 2.0 * send);
-        let costs = Costs {
+        Ok(Costs {
             // The first task wakes the worker.
             prepare: quiet(&small, |stats| (stats.master.frames - reply).max(0.0)),
             steal: steal_seconds(FRAMES),
             shared: guess,
             copying: guess,
+            late: 0.0,
             per_byte: copy_seconds_per_byte(pin),
             copied: None,
             cores: Machine::get().default_workers(),
             ..seen
-        };
-        let mut cores = SharedCores::new(pin, [1024, 1024], 1);
-        (0..ROUNDS).for_each(|_| cores.measure(MESSAGES, collect));
-        Ok(cores.found(costs))
+        })
     }
 }
 
@@ -119,14 +118,14 @@ impl TileTask for Empty {
 /// Of tiles that another core has just written, as a worker does.
 fn copy_seconds_per_byte(pin: bool) -> f64 {
     let film = Film::new(1024, 1024);
-    let tiles = tiles(1024, 1024, shared::SIDE, Order::Hilbert);
+    let tiles = tiles(1024, 1024, COPIED_SIDE, Order::Hilbert);
     let placement = Placement::new(Machine::get(), Some(2), pin);
     let pin = |slot: usize| pin_current_thread(placement.slots()[slot]);
     let (fill, filled) = mpsc::channel();
     let (empty, emptied) = mpsc::channel();
     let worker = move || {
         pin(0);
-        let mut planes = vec![0.0f32; 3 * (shared::SIDE * shared::SIDE) as usize];
+        let mut planes = vec![0.0f32; 3 * PIXELS];
         loop {
             planes.fill(0.5);
             if fill.send(planes).is_err() {
@@ -141,14 +140,15 @@ fn copy_seconds_per_byte(pin: bool) -> f64 {
         let mut copy = |&tile: &Tile| {
             let Ok(planes) = filled.recv() else { return 0.0 };
             let start = Instant::now();
-            shared::write(&film, tile, &planes);
+            let [r, g, b] = [0, 1, 2].map(|plane| &planes[plane * PIXELS..][..PIXELS]);
+            film.write_tile(tile, r, g, b);
             let seconds = start.elapsed().as_secs_f64();
             let _ = empty.send(planes);
             seconds
         };
         // The first time touches the memory; a later frame finds it there.
         let _ = tiles.iter().map(&mut copy).sum::<f64>();
-        quarter(tiles.iter().map(copy).collect()) / shared::BYTES
+        quarter(tiles.iter().map(copy).collect()) / (12 * PIXELS) as f64
     };
     std::thread::scope(|scope| {
         scope.spawn(worker);

@@ -1,13 +1,14 @@
 //! What messages, steals and tiles cost the scheduler: measured with tiles that do nothing (`empty`), seen in streams
-//! of real ones (`seen`), and measured on a core that the master shares (`shared`).
+//! of real ones, by one worker (`seen`) and by one on every core (`full`), and measured on a core that the master shares
+//! (`shared`).
 
 mod empty;
+mod full;
 mod seen;
 mod shared;
 
 pub use empty::overhead_per_tile;
-pub(super) use seen::TILES_PER_MESSAGE;
-pub(super) use shared::SharedCores;
+pub(super) use shared::{MESSAGES, SharedCores};
 
 use crate::math::median;
 use crate::schedule::{FilmMode, SharedCore};
@@ -23,6 +24,10 @@ pub struct Costs {
     pub reply: f64,
     /// From a report's sending to the moment when the master, who waited for it, goes on.
     pub to_master: f64,
+    /// Share of reports that a master on a core of its own reads late, though nobody computes there, ...
+    pub late: f64,
+    /// ... and how much later than usual.
+    pub delay: f64,
     /// From an answer's sending to the moment when a worker that waited for it goes on.
     pub to_worker: f64,
     /// The master, for a report.
@@ -50,7 +55,7 @@ impl Costs {
     /// The same on a cluster: a network of `latency` seconds and `bits` per second, and a node for the master alone.
     pub(super) fn on_network(self, latency: f64, bits: f64) -> Costs {
         let per_byte = self.per_byte + 8.0 / bits;
-        Costs { to_master: latency, to_worker: latency, per_byte, cores: usize::MAX, ..self }
+        Costs { to_master: latency, to_worker: latency, late: 0.0, per_byte, cores: usize::MAX, ..self }
     }
 
     /// The same on a machine with a core for each of `workers` workers, and none for the master.
@@ -58,23 +63,24 @@ impl Costs {
         Costs { cores: workers, ..self }
     }
 
-    /// The same where everything takes `factor` times as long, but `shared` times on a core that the master shares. A time slice is
-    /// still a time slice.
-    pub(super) fn slower(self, factor: f64, shared: f64) -> Costs {
+    /// The same where everything takes `factor` times as long. A time slice is still a time slice.
+    pub(super) fn slower(self, factor: f64) -> Costs {
         Costs {
             prepare: self.prepare * factor,
             send: self.send * factor,
             reply: self.reply * factor,
             to_master: self.to_master * factor,
+            late: self.late,
+            delay: self.delay,
             to_worker: self.to_worker * factor,
             collect: self.collect * factor,
             collect_tile: self.collect_tile * factor,
             tile: self.tile * factor,
             steal: self.steal * factor,
-            shared: self.shared.slower(shared),
-            copying: self.copying.slower(shared),
+            shared: self.shared.slower(factor),
+            copying: self.copying.slower(factor),
             per_byte: self.per_byte * factor,
-            copied: self.copied.map(|copied| copied.map(|byte| byte * shared)),
+            copied: self.copied.map(|copied| copied.map(|byte| byte * factor)),
             cores: self.cores,
         }
     }
@@ -84,10 +90,14 @@ impl Costs {
         let of = |of: fn(&Costs) -> f64| median(&all.iter().map(of).collect::<Vec<f64>>());
         let &first = all.first()?;
         Some(Costs {
+            prepare: of(|costs| costs.prepare),
             send: of(|costs| costs.send),
             reply: of(|costs| costs.reply),
             to_master: of(|costs| costs.to_master),
+            late: of(|costs| costs.late),
+            delay: of(|costs| costs.delay),
             to_worker: of(|costs| costs.to_worker),
+            tile: of(|costs| costs.tile),
             collect: of(|costs| costs.collect),
             per_byte: of(|costs| costs.per_byte),
             ..first
@@ -109,6 +119,8 @@ pub(super) const NOTHING: Costs = Costs {
     send: 0.0,
     reply: 0.0,
     to_master: 0.0,
+    late: 0.0,
+    delay: 0.0,
     to_worker: 0.0,
     collect: 0.0,
     collect_tile: 0.0,
@@ -134,7 +146,11 @@ mod tests {
             to_worker: 30.0 + x,
             collect: x * x,
             per_byte: -x,
-            prepare: 7.0,
+            prepare: 7.0 * x,
+            late: x / 4.0,
+            delay: 4.0 - x,
+            tile: 3.0 * x,
+            steal: 7.0,
             ..NOTHING
         };
         let median = Costs::median(&[3.0, 1.0, 2.0].map(round)).unwrap();
@@ -149,6 +165,8 @@ mod tests {
             send: 2.0,
             reply: 3.0,
             to_master: 4.0,
+            late: 0.5,
+            delay: 3.0,
             to_worker: 5.0,
             collect: 6.0,
             collect_tile: 7.0,
@@ -165,17 +183,19 @@ mod tests {
             send: 4.0,
             reply: 6.0,
             to_master: 8.0,
+            late: 0.5,
+            delay: 3.0,
             to_worker: 10.0,
             collect: 12.0,
             collect_tile: 14.0,
             tile: 16.0,
             steal: 18.0,
-            shared: SharedCore::punctual(30.0, 33.0, 36.0, 39.0),
-            copying: SharedCore::punctual(45.0, 48.0, 51.0, 54.0),
+            shared: SharedCore::punctual(20.0, 22.0, 24.0, 26.0),
+            copying: SharedCore::punctual(30.0, 32.0, 34.0, 36.0),
             per_byte: 28.0,
-            copied: Some([57.0, 60.0]),
+            copied: Some([38.0, 40.0]),
             cores: 2,
         };
-        assert_eq!(costs.slower(2.0, 3.0), twice);
+        assert_eq!(costs.slower(2.0), twice);
     }
 }

@@ -2,93 +2,147 @@
 //!
 //! Waking a thread costs several times more where its core has been idle for as long as a real tile takes than in a
 //! ping-pong of empty ones, most of all on virtual machines. So what one worker's messages took while it rendered counts,
-//! where there were enough of them; and what copying took where a worker's tiles fill the caches.
+//! where there were enough of them.
 
 use super::Costs;
-use crate::schedule::{FilmMode, FrameStats, Schedule, Span};
+use crate::schedule::{FilmMode, FrameStats, Messages, Schedule, Span};
 
 /// A stream with fewer messages than one for so many tiles tells little of what they cost.
-pub(in crate::study::scaling) const TILES_PER_MESSAGE: f64 = 4.0;
+pub(super) const TILES_PER_MESSAGE: f64 = 4.0;
 
 impl Costs {
-    /// What a copied byte cost the master in streams where it lives on the last worker's core: tiles leave less of the film and of
-    /// its page tables in the caches than anything that is measured beside them. `None` if it copied nothing. If one worker's
-    /// tiles took `slowness` times as long in that round as they are taken to cost, so did messages.
-    pub(in crate::study::scaling) fn copied_in(
-        &self,
-        streams: &[FrameStats],
-        schedule: Schedule,
-        slowness: f64,
-    ) -> Option<[f64; 2]> {
-        let Costs { collect, collect_tile, copying, .. } = *self;
-        // Who has one parcel waits for every answer, and must be woken if not on this core.
-        let woken = |stream: &FrameStats| match stream.workers.split_last() {
-            Some((_, others)) if schedule.strategy.parcels() == 1 => others.iter().map(|w| w.tiles).sum(),
-            _ => 0,
-        };
-        let copying = |stream: &FrameStats| {
-            let (reports, tiles) = (stream.reports.count as f64, stream.spans.len() as f64);
-            let other = reports * collect + tiles * collect_tile + woken(stream) as f64 * copying.reply;
-            stream.master.reports / slowness - other
-        };
-        let seconds = streams.iter().map(copying).sum::<f64>().max(0.0);
-        // Pixels of others and of the last worker differ as they do beside the streams.
-        let known = self.copied.unwrap_or([1.0; 2]);
-        let own = |stream: &FrameStats| bytes(stream, |span| span.worker + 1 == stream.workers.len());
-        let (all, own): (f64, f64) =
-            streams.iter().fold((0.0, 0.0), |sum, s| (sum.0 + bytes(s, |_| true), sum.1 + own(s)));
-        let expected = known[0] * (all - own) + known[1] * own;
-        let factor = seconds / expected;
-        (schedule.film == FilmMode::Messages && expected > 0.0).then(|| known.map(|byte| byte * factor))
-    }
-
-    /// What streams of one worker show of them, if there were a message every few tiles. If tiles took `slowness` times as
-    /// long in them as they are taken to cost, so did messages.
+    /// What streams of one worker show of them. If tiles took `slowness` times as long in them as they are taken to cost, so did
+    /// everything else.
     pub(in crate::study::scaling) fn seen_in(
         self,
         streams: &[FrameStats],
         schedule: Schedule,
         slowness: f64,
     ) -> Costs {
-        let known = self.of(schedule.film);
-        let sum = |of: fn(&FrameStats) -> f64| streams.iter().map(of).sum::<f64>();
-        let tiles = sum(|s| s.spans.len() as f64);
-        let (reports, awaited) = (sum(|s| s.reports.count as f64), sum(|s| s.reports.awaited as f64));
-        if awaited * TILES_PER_MESSAGE < tiles || awaited == 0.0 {
-            return known;
+        let seen = Seen::new(streams, slowness);
+        let known = Costs { prepare: seen.frames, ..self.of(schedule.film) };
+        if seen.reports * TILES_PER_MESSAGE < seen.tiles || seen.reports == 0.0 {
+            // Real tiles leave less of the bookkeeping in the caches than those that do nothing.
+            let own = seen.own - seen.awaited * self.send;
+            return Costs { tile: own.max(0.0) / seen.tiles, ..known };
         }
-        let waits = sum(|s| s.workers.iter().map(|worker| worker.idle.work + worker.idle.deliver).sum());
-        let others = sum(|s| s.workers.iter().map(|w| w.busy_seconds + w.idle.start + w.idle.tail).sum());
-        // What is left is the worker's own: bookkeeping, and waking the master.
-        let send = ((sum(|s| s.seconds) - others - waits - tiles * self.tile) / awaited).max(0.0);
-        let to_master = (sum(|s| s.reports.latency_sum) / awaited - send).max(0.0);
-        let work = sum(|s| s.master.reports);
-        let bytes = sum(|s| bytes(s, |_| true));
-        // Who has one parcel waits for every answer, and is woken by it: as dear as waking the master.
-        let answered = schedule.strategy.parcels() == 1;
-        let rest = work - tiles * self.collect_tile - if answered { reports * send } else { 0.0 };
-        let usual = |seconds: f64| seconds.max(0.0) / slowness;
-        let mut seen = Costs { send: usual(send), to_master: usual(to_master), ..known };
-        (seen.reply, seen.to_worker) = match answered {
-            true => (usual(send), usual(waits / reports - to_master - work / reports)),
-            false => (self.reply, usual(to_master)),
+        // A master that always has something to read is not woken.
+        let known = if seen.awaited * TILES_PER_MESSAGE < seen.tiles {
+            known
+        } else {
+            let send = ((seen.own - seen.tiles * self.tile) / seen.awaited).max(0.0);
+            let Lateness { usual, late, delay } = seen.lateness;
+            Costs { send, to_master: (usual - send).max(0.0), late, delay, ..known }
         };
-        match schedule.film {
-            FilmMode::Shared => seen.collect = usual(rest / reports),
-            FilmMode::Messages => seen.per_byte = usual((rest - reports * self.collect) / bytes),
+        match schedule.strategy.parcels() {
+            1 => known.answered(&seen, schedule.film),
+            _ => known.unanswered(&seen, schedule.film),
         }
-        seen
+    }
+
+    /// Where the worker waits for every answer: what is late only makes it wait longer.
+    fn answered(self, seen: &Seen, film: FilmMode) -> Costs {
+        let Seen { reports, awaited, latency, waits, work, woken, bytes, tiles, .. } = *seen;
+        let to_master = if awaited > 0.0 { (latency - self.send).max(0.0) } else { self.to_master };
+        let to_worker = (waits / reports - to_master - work / reports).max(0.0);
+        let rest = (work - woken - tiles * self.collect_tile).max(0.0);
+        let known = Costs { to_master, to_worker, reply: woken / reports, late: 0.0, ..self };
+        match film {
+            FilmMode::Shared => Costs { collect: rest / reports, ..known },
+            FilmMode::Messages => {
+                Costs { per_byte: (rest - reports * self.collect).max(0.0) / bytes, ..known }
+            }
+        }
+    }
+
+    /// Where the worker goes on without answers it matters how often a report is late: others wait behind it.
+    fn unanswered(self, seen: &Seen, film: FilmMode) -> Costs {
+        let Seen { reports, work, bytes, tiles, .. } = *seen;
+        let rest = work - tiles * self.collect_tile;
+        let known = Costs { to_worker: self.to_master, ..self };
+        match film {
+            FilmMode::Shared => Costs { collect: rest.max(0.0) / reports, ..known },
+            FilmMode::Messages => {
+                Costs { per_byte: (rest - reports * self.collect).max(0.0) / bytes, ..known }
+            }
+        }
+    }
+}
+
+/// How late messages are, in seconds as they were if tiles took what they are taken to cost.
+pub(super) struct Lateness {
+    /// What those take that are in time.
+    pub(super) usual: f64,
+    /// The share of the others ...
+    pub(super) late: f64,
+    /// ... and how much longer they take.
+    pub(super) delay: f64,
+}
+
+impl Lateness {
+    pub(super) fn of(messages: &Messages, slowness: f64) -> Lateness {
+        let Messages { awaited, latency_sum, late, late_sum, .. } = *messages;
+        let mean = |sum: f64, count: usize| if count == 0 { 0.0 } else { sum / count as f64 / slowness };
+        let usual = mean(latency_sum - late_sum, awaited - late);
+        let delay = (mean(late_sum, late) - usual).max(0.0);
+        Lateness { usual, late: late as f64 / awaited.max(1) as f64, delay }
+    }
+}
+
+/// Sums of streams of one worker; times as they were if tiles took what they are taken to cost.
+struct Seen {
+    tiles: f64,
+    bytes: f64,
+    reports: f64,
+    /// Reports for which the master was woken, ...
+    awaited: f64,
+    /// ... how long they were under way on average ...
+    latency: f64,
+    /// ... and how late.
+    lateness: Lateness,
+    /// The worker's waits between tiles, ...
+    waits: f64,
+    /// ... and what else is not tiles: bookkeeping, and waking the master.
+    own: f64,
+    /// The master's, with reports, ...
+    work: f64,
+    /// ... part of which was waking the worker, ...
+    woken: f64,
+    /// ... and with each frame.
+    frames: f64,
+}
+
+impl Seen {
+    fn new(streams: &[FrameStats], slowness: f64) -> Seen {
+        let count = |of: fn(&FrameStats) -> f64| streams.iter().map(of).sum::<f64>();
+        let seconds = |of: fn(&FrameStats) -> f64| count(of) / slowness;
+        let mut messages = Messages::default();
+        streams.iter().for_each(|stream| messages.add(&stream.reports));
+        let waits = seconds(|s| s.workers.iter().map(|w| w.idle.work + w.idle.deliver).sum());
+        let busy = seconds(|s| s.workers.iter().map(|w| w.busy_seconds + w.idle.start + w.idle.tail).sum());
+        Seen {
+            tiles: count(|s| s.spans.len() as f64),
+            bytes: count(|s| bytes(s, |_| true)),
+            reports: messages.count as f64,
+            awaited: messages.awaited as f64,
+            latency: messages.latency() / slowness,
+            lateness: Lateness::of(&messages, slowness),
+            waits,
+            own: seconds(|s| s.seconds) - waits - busy,
+            work: seconds(|s| s.master.reports),
+            woken: seconds(|s| s.workers.iter().map(|worker| worker.woken).sum()),
+            frames: seconds(|s| s.master.frames) / count(|s| s.frames as f64).max(1.0),
+        }
     }
 }
 
 /// Of the pixels of these tiles.
-fn bytes(stream: &FrameStats, of: impl Fn(&Span) -> bool) -> f64 {
+pub(super) fn bytes(stream: &FrameStats, of: impl Fn(&Span) -> bool) -> f64 {
     12.0 * stream.spans.iter().filter(|span| of(span)).map(|span| span.tile.len() as f64).sum::<f64>()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::NOTHING;
     use super::*;
     use crate::schedule::{Idle, Pinned, SharedCore, Strategy, WorkerStats};
     use crate::tile::Tile;
@@ -101,6 +155,8 @@ mod tests {
             send: 2.0,
             reply: 0.0,
             to_master: 3.0,
+            late: 0.0,
+            delay: 0.0,
             to_worker: 5.0,
             collect: 7.0,
             collect_tile: 0.5,
@@ -129,11 +185,11 @@ mod tests {
             frames: 1,
             spans: spans.collect(),
             workers: vec![WorkerStats {
-                pinned: Pinned::Free,
                 busy_seconds: 1000.0,
                 tiles: 10,
                 idle: Idle { start: 5.0, work, deliver: 0.0, tail: tail - 0.25 - 2.0 },
-                steals: 0,
+                woken: 20.0,
+                ..WorkerStats::new(Pinned::Free)
             }],
             ..FrameStats::default()
         };
@@ -142,77 +198,53 @@ mod tests {
         stats.reports.awaited = 10;
         stats.reports.latency_sum = 10.0 * (2.0 + 3.0);
         stats.master.reports = 10.0 * 7.5;
+        stats.master.frames = 6.0;
         let blind = Costs { send: 0.1, to_master: 0.1, to_worker: 0.1, collect: 0.1, ..costs };
-        let dynamic = Schedule { strategy: Strategy::Dynamic, film: FilmMode::Shared };
-        let seen = blind.seen_in(std::slice::from_ref(&stats), dynamic, 1.0);
+        let seen_in = |stats: &FrameStats, strategy, film, slowness| {
+            blind.seen_in(std::slice::from_ref(stats), Schedule { strategy, film }, slowness)
+        };
         let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
-        assert!(near(seen.send, 2.0) && near(seen.to_master, 3.0), "{seen:?}");
-        // Waking the worker is as dear as waking the master, and part of the master's 7.5.
+        let seen = seen_in(&stats, Strategy::Dynamic, FilmMode::Shared, 1.0);
+        assert!(near(seen.send, 2.0) && near(seen.to_master, 3.0) && seen.prepare == 6.0, "{seen:?}");
+        // The master's 7.5 are 2 to wake the worker, and what it needs for a report and a tile.
         assert!(near(seen.reply, 2.0) && near(seen.collect, 5.0), "{seen:?}");
         // Nine waits for ten reports: the last one's answer never comes.
         assert!(near(seen.to_worker, work / 10.0 - 3.0 - 7.5), "{seen:?}");
-        // Where tiles took four times as long as they cost, messages cost a quarter of what is seen.
-        let usual = blind.seen_in(std::slice::from_ref(&stats), dynamic, 4.0);
-        assert!(near(usual.send, 0.5) && near(usual.to_master, 0.75) && near(usual.reply, 0.5), "{usual:?}");
-        assert!(near(usual.collect, 1.25) && near(usual.to_worker, seen.to_worker / 4.0), "{usual:?}");
-        // As messages, the master's time is that of copying.
-        let messages = blind.seen_in(&[stats.clone()], Schedule { film: FilmMode::Messages, ..dynamic }, 1.0);
+        // Where tiles took twice as long as they cost, messages cost half of what is seen.
+        let usual = seen_in(&stats, Strategy::Dynamic, FilmMode::Shared, 2.0);
+        assert!(near(usual.send, 1.0 - 0.25 / 2.0) && usual.prepare == 3.0, "{usual:?}");
+        assert!(near(usual.to_master, 2.5 - usual.send) && near(usual.reply, 1.0), "{usual:?}");
+        assert!(near(usual.collect, 3.75 - 1.0 - 0.5), "{usual:?}");
+        assert!(near(usual.to_worker, work / 20.0 - usual.to_master - 3.75), "{usual:?}");
+        // As messages, the rest of the master's time is copying; what a report takes beside is measured elsewhere.
+        let messages = seen_in(&stats, Strategy::Dynamic, FilmMode::Messages, 1.0);
         assert!(near(messages.per_byte, (75.0 - 10.0 * (2.0 + 0.1 + 0.5)) / (12.0 * 10.0)), "{messages:?}");
-        assert_eq!(messages.collect, 0.1, "measured elsewhere");
+        assert!(near(messages.reply, 2.0) && messages.collect == 0.1, "{messages:?}");
         assert_eq!((seen.shared, messages.shared), (blind.shared, blind.copying));
-        // Whoever has other parcels does not wait for answers: they take as long as reports.
-        let non_blocking = Schedule { strategy: Strategy::NonBlocking, film: FilmMode::Shared };
-        let seen = blind.seen_in(std::slice::from_ref(&stats), non_blocking, 1.0);
-        assert!(near(seen.to_worker, 3.0), "{seen:?}");
-        // Two reports of ten tiles tell nothing.
-        stats.reports.awaited = 2;
-        assert_eq!(blind.seen_in(&[stats], dynamic, 1.0), blind);
-    }
-
-    #[test]
-    fn what_copying_cost_is_found_in_streams_where_the_master_lives_on_a_workers_core() {
-        let costs = Costs {
-            collect: 2.0,
-            collect_tile: 0.5,
-            copying: SharedCore { reply: 3.0, ..SharedCore::punctual(0.0, 0.0, 0.0, 0.0) },
-            copied: Some([2.0, 1.0]),
-            ..NOTHING
-        };
-        let span = |worker| Span {
-            frame: 0,
-            worker,
-            tile: Tile { x: 0, y: 0, width: 1, height: 1 },
-            start: 0.0,
-            end: 1.0,
-        };
-        let worker = |tiles| WorkerStats {
-            pinned: Pinned::Free,
-            busy_seconds: 1.0,
-            tiles,
-            idle: Idle::default(),
-            steals: 0,
-        };
-        // Two tiles of the first worker, one of the master's host: 12 bytes each.
-        let mut stats = FrameStats {
-            spans: vec![span(0), span(0), span(1)],
-            workers: vec![worker(2), worker(1)],
-            ..FrameStats::default()
-        };
-        stats.reports.count = 3;
-        stats.master.reports = 4.0 * (3.0 * 2.5 + 2.0 * 3.0 + 24.0 * 0.4 + 12.0 * 0.2);
-        let seen =
-            |strategy, film| costs.copied_in(std::slice::from_ref(&stats), Schedule { strategy, film }, 4.0);
-        let near = |found: Option<[f64; 2]>, expected: [f64; 2]| {
-            let found = found.unwrap();
-            assert!((0..2).all(|i| (found[i] - expected[i]).abs() < 1e-12), "{found:?} {expected:?}");
-        };
-        near(seen(Strategy::Dynamic, FilmMode::Messages), [0.4, 0.2]);
-        // Nobody waits to be woken: the master copied all that time.
-        near(seen(Strategy::Stealing, FilmMode::Messages), [0.4 * 1.5, 0.2 * 1.5]);
-        assert_eq!(seen(Strategy::Dynamic, FilmMode::Shared), None);
-        assert_eq!(
-            costs.copied_in(&[], Schedule { film: FilmMode::Messages, ..Schedule::default() }, 1.0),
-            None
+        // Two reports of ten tiles tell nothing of messages, but of what tiles take beside running them.
+        let mut few = stats.clone();
+        (few.reports.count, few.reports.awaited) = (2, 2);
+        let expected = Costs { prepare: 6.0, tile: (22.5 - 2.0 * 0.1) / 10.0, ..blind };
+        let seen = seen_in(&few, Strategy::Dynamic, FilmMode::Shared, 1.0);
+        assert!(near(seen.tile, expected.tile), "{seen:?}");
+        assert_eq!(Costs { tile: expected.tile, ..seen }, expected);
+        // Whoever has other parcels does not wait for answers: they take as long as reports that are in time.
+        (stats.reports.late, stats.reports.late_sum) = (1, 14.0);
+        let seen = seen_in(&stats, Strategy::NonBlocking, FilmMode::Shared, 1.0);
+        assert!(near(seen.to_master, 4.0 - 2.0) && near(seen.to_worker, 2.0), "{seen:?}");
+        assert!(near(seen.late, 0.1) && near(seen.delay, 14.0 - 4.0) && near(seen.collect, 7.0), "{seen:?}");
+        let messages = seen_in(&stats, Strategy::NonBlocking, FilmMode::Messages, 1.0);
+        assert!(
+            near(messages.per_byte, (75.0 - 5.0 - 1.0) / 120.0) && messages.collect == 0.1,
+            "{messages:?}"
         );
+        // Where the master was woken twice only, that tells little of waking it.
+        let mut busy = stats.clone();
+        busy.reports.awaited = 2;
+        let seen = seen_in(&busy, Strategy::NonBlocking, FilmMode::Shared, 1.0);
+        assert_eq!((seen.send, seen.to_master, seen.late), (0.1, 0.1, 0.0), "{seen:?}");
+        assert!(near(seen.collect, 7.0), "{seen:?}");
+        let slow = seen_in(&stats, Strategy::NonBlocking, FilmMode::Shared, 2.0);
+        assert!(near(slow.late, 0.1) && near(slow.delay, 5.0), "{slow:?}");
     }
 }

@@ -24,6 +24,8 @@ const COSTS: Costs = Costs {
     send: 0.014,
     reply: 0.014,
     to_master: 0.03,
+    late: 0.0,
+    delay: 0.0,
     to_worker: 0.03,
     collect: 0.005,
     collect_tile: 0.0,
@@ -40,9 +42,7 @@ const COSTS: Costs = Costs {
 /// Efficiency of two workers of such slowness as the simulator alone has it, and as the study finds it predicted that
 /// takes the simulator's streams for measured ones.
 fn found(schedule: Schedule, slowness: [f64; 2]) -> [f64; 2] {
-    // On a core that the master shares they are measured while several workers are as slow as they are.
-    let costs = COSTS.slower(1.0, mean(&slowness));
-    let rows = rows(schedule, slowness, 1.0, &costs);
+    let rows = rows(schedule, slowness, 1.0, &COSTS);
     assert_eq!((rows[0].efficiency, rows[0].inflation, rows[0].predicted), (1.0, 1.0, Some(1.0)));
     [rows[1].efficiency, rows[1].predicted.unwrap()]
 }
@@ -50,12 +50,12 @@ fn found(schedule: Schedule, slowness: [f64; 2]) -> [f64; 2] {
 /// Rows of one worker, two of such slowness, and four that are simulated with this inflation; the study takes messages for
 /// as dear as `costs` where streams do not tell. In the second round everything takes longer, and more so in the third one.
 fn rows(schedule: Schedule, slowness: [f64; 2], inflation: f64, costs: &Costs) -> Vec<ScalingRow> {
-    let turn = |pace| Turn { pace, shared: mean(&slowness), copied: 1.0 };
+    let turn = |pace| Turn { pace, shared: 1.0, copied: 1.0 };
     rows_of(schedule, slowness, &COSTS, [1.0, 1.3, 1.7].map(turn), inflation, costs)
 }
 
-/// By which factor everything takes longer in a round; messages on a core that the master shares beside that; and copying
-/// there beside that.
+/// By which factor everything takes longer in a round; messages on a core that the master shares beside that; and copying there
+/// beside the first.
 struct Turn {
     pace: f64,
     shared: f64,
@@ -85,19 +85,29 @@ fn rows_of(
     let measured = |workers| Measured { schedule, workers, streams: vec![] };
     let mut all = vec![measured(1), measured(2)];
     for Turn { pace, shared, copied } in turns {
-        let one = tiles.simulate(schedule, &[pace], flow, &base, &truth.slower(pace, pace));
+        let one = tiles.simulate(schedule, &[pace], flow, &base, &truth.slower(pace));
         all[0].streams.extend([one.clone(), one]);
         let paces = slowness.map(|slowness| slowness * pace);
-        let slower = truth.slower(mean(&paces), shared * pace);
-        let slower = Costs { copied: slower.copied.map(|bytes| bytes.map(|byte| byte * copied)), ..slower };
-        let mut two = tiles.simulate(schedule, &paces, flow.of(2, LONGEST_MEASURED), &base, &slower);
-        // The simulator does not tell how long reports were under way.
-        two.reports.awaited = two.reports.count;
-        two.reports.latency_sum = two.reports.count as f64 * slower.copying.latency;
+        let slower = truth.slower(mean(&paces));
+        let slower = Costs {
+            shared: slower.shared.slower(shared),
+            copying: slower.copying.slower(shared),
+            copied: slower.copied.map(|bytes| bytes.map(|byte| byte * copied)),
+            ..slower
+        };
+        let two =
+            tiles.simulate(schedule, &paces, flow.of(2, LONGEST_MEASURED), &base, &slower.of(schedule.film));
         all[1].streams.push(two);
     }
     let rounds = Rounds { all, ..Rounds::default() };
-    let options = ScalingOptions {
+    let options = options(schedule, flow, inflation);
+    let scene = Scene::default();
+    let study = Study { scene: &scene, options: &options, costs, cores: 2, rounds: &rounds, base: &base };
+    study.rows(schedule, &tiles)
+}
+
+fn options(schedule: Schedule, flow: Flow, inflation: f64) -> ScalingOptions {
+    ScalingOptions {
         render: crate::study::accuracy::options(),
         schedules: vec![schedule],
         workers: vec![1, 2, 4],
@@ -106,10 +116,7 @@ fn rows_of(
         inflation,
         network: None,
         thesis_scene: None,
-    };
-    let scene = Scene::default();
-    let study = Study { scene: &scene, options: &options, costs, cores: 2, rounds: &rounds, base: &base };
-    study.rows(schedule, &tiles)
+    }
 }
 
 #[test]
@@ -135,8 +142,7 @@ fn every_round_is_predicted_by_its_own_messages_and_copies() {
     for strategy in [Strategy::Dynamic, Strategy::Overlap] {
         for film in FilmMode::ALL {
             let schedule = Schedule { strategy, film };
-            let known = truth.slower(1.0, 1.5);
-            let row = rows_of(schedule, [1.5, 1.5], &truth, turns(), 1.0, &known).remove(1);
+            let row = rows_of(schedule, [1.5, 1.5], &truth, turns(), 1.0, &truth).remove(1);
             let apart = row.apart.unwrap();
             assert!(apart.low > -0.015 && apart.high < 0.015, "{schedule:?} {apart:?}");
         }
@@ -171,44 +177,58 @@ fn the_least_sample_is_found() {
     assert_eq!(least(&[3.0, 1.0, 2.0]), 1.0);
 }
 
-/// Streams of one worker and of two, whose reports took so long, two tiles each.
-fn with_latencies(workers: usize, latencies: &[f64]) -> Measured {
-    let stream = |&latency: &f64| {
-        let span = |x| Span {
-            frame: 0,
-            worker: 0,
-            tile: Tile { x, y: 0, width: 16, height: 16 },
-            start: 0.0,
-            end: 1.0,
-        };
-        let mut stream = FrameStats { frames: 1, spans: vec![span(0), span(16)], ..FrameStats::default() };
-        (stream.reports.awaited, stream.reports.latency_sum) = (2, 2.0 * latency);
-        stream
-    };
-    let schedule = Schedule::default();
-    Measured { schedule, workers, streams: latencies.iter().map(stream).collect() }
-}
-
 #[test]
-fn a_round_is_as_slow_as_its_reports_were_against_one_worker_and_the_median_round() {
-    let one = with_latencies(1, &[1.0; 6]);
+fn where_a_round_tells_nothing_of_messages_they_are_as_slow_as_its_tiles() {
+    let base = [0, 16].map(|x| Tile { x, y: 0, width: 16, height: 16 });
+    let streams = |workers| {
+        let span = |tile| Span { frame: 0, worker: 0, tile, start: 0.0, end: 1.0 };
+        let stream = FrameStats { frames: 1, spans: base.map(span).to_vec(), ..FrameStats::default() };
+        Measured { schedule: Schedule::default(), workers, streams: vec![stream; 6 / workers] }
+    };
+    let one = streams(1);
     let alone = Alone {
         measured: &one,
-        slowness: vec![1.0, 2.0, 1.0],
+        slowness: vec![1.0, 2.0, 0.5],
         seconds: vec![],
         simulated: vec![],
         costs: Costs { copied: Some([3.0, 5.0]), ..COSTS },
         usual: 0.0,
     };
-    let rounds = Round::all(&with_latencies(2, &[8.0, 8.0, 2.0]), &alone);
-    // 8, 4 and 2, where one worker's tiles took as long as usual: the median is 4.
-    let found: Vec<_> = rounds.iter().map(|round| (round.pace, round.copied)).collect();
-    // Nothing was copied in these streams: what is known is as much dearer.
-    let expected = [2.0, 1.0, 0.5].map(|pace| (pace, Some([3.0 * pace, 5.0 * pace])));
-    assert_eq!(found, expected);
-    // Where reports tell nothing, tiles do.
-    let rounds = Round::all(&with_latencies(2, &[0.0; 3]), &alone);
-    assert!(rounds.iter().all(|round| round.pace == 1.0 && round.slowness == [1.0; 2]));
+    let two = streams(2);
+    let rounds = Round::all(&two, &alone, &TileCosts::new(&base, &one.streams));
+    let told = |round: &Round| {
+        let costs = round.costs(alone.costs, &round.slowness, Schedule::default());
+        (round.slowness.clone(), costs.shared, costs.copied)
+    };
+    // The second worker has no tiles.
+    let expected = [1.0, 0.5, 2.0].map(|slow| {
+        let factor = (slow + 1.0) / 2.0;
+        (vec![slow, 1.0], SHARED.slower(factor), Some([3.0 * factor, 5.0 * factor]))
+    });
+    assert_eq!(rounds.iter().map(told).collect::<Vec<_>>(), expected);
+}
+
+#[test]
+fn one_workers_streams_are_simulated_by_themselves() {
+    // The second of two streams is on a core where messages take three times as long.
+    let schedule = Schedule { strategy: Strategy::NonBlocking, film: FilmMode::Messages };
+    let base = tile::tiles(512, 512, 64, Order::Hilbert);
+    let span = |&tile: &Tile| Span { frame: 0, worker: 0, tile, start: 0.0, end: 0.1 };
+    let seen = FrameStats { frames: 1, spans: base.iter().map(span).collect(), ..FrameStats::default() };
+    let tiles = TileCosts::new(&base, [&seen]);
+    let flow = Flow { frames: 2, in_flight: 2 };
+    let truth = Costs { per_byte: 8e-7, ..COSTS };
+    let streams: Vec<FrameStats> =
+        [1.0, 3.0].map(|dear| tiles.simulate(schedule, &[1.0], flow, &base, &truth.slower(dear))).to_vec();
+    let measured = Measured { schedule, workers: 1, streams };
+    let rounds = Rounds::default();
+    let options = options(schedule, flow, 1.0);
+    let scene = Scene::default();
+    let study =
+        Study { scene: &scene, options: &options, costs: &COSTS, cores: 2, rounds: &rounds, base: &base };
+    let alone = Alone::new(&measured, None, &study, &tiles);
+    let off = alone.simulated[0] / alone.seconds[0] - 1.0;
+    assert!(off.abs() < 0.02, "{off}");
 }
 
 #[test]

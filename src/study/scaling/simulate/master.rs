@@ -1,7 +1,7 @@
 //! What the master does.
 
 use super::{
-    Simulation,
+    Costs, Simulation,
     state::{Flight, Report, Task, What},
 };
 use crate::schedule::{Dealer, FilmMode, Pause, Run, SharedCore};
@@ -87,6 +87,9 @@ impl Simulation<'_> {
             self.master_free += reply;
             let end = self.master_free + latency;
             desk.wakes = end;
+            desk.woken += reply;
+            desk.answers.awaited += 1;
+            desk.answers.latency_sum += reply + latency;
             self.pauses.push(Pause { worker, start, end, deliver });
             self.at(end, What::Look(worker));
         }
@@ -107,7 +110,12 @@ impl Simulation<'_> {
 
     pub(super) fn arrive(&mut self, report: Report, now: f64) {
         self.inbox.push_back(report);
+        if report.calls {
+            self.called = false;
+        }
+        // Who comes while it is about to wake up is read together with who woke it.
         if !self.awake
+            && !self.called
             && !report.silent
             && let Some(&first) = self.inbox.front()
         {
@@ -120,7 +128,7 @@ impl Simulation<'_> {
     fn handle(&mut self, report: Report, now: f64, woken: bool) {
         let now = now.max(self.master_free);
         let (host, waking) = (self.busy_host(now), self.waking_host(now));
-        let late = if host.is_some() && woken { self.lateness() } else { 0.0 };
+        let late = if woken { self.lateness(report.worker, now) } else { 0.0 };
         let mut work = self.costs.collect + report.tiles as f64 * self.costs.collect_tile;
         if self.schedule.film == FilmMode::Messages {
             let byte = match (self.host(), self.costs.copied) {
@@ -132,6 +140,7 @@ impl Simulation<'_> {
         self.late_until = now + late;
         self.master_free = self.late_until + work;
         self.master.reports += work;
+        self.workers[report.worker].handled += work;
         self.at(self.master_free, What::Handled(self.handling));
         let SharedCore { switch, interrupt, .. } = self.costs.shared;
         let own = host == Some(report.worker) && late == 0.0;
@@ -164,6 +173,7 @@ impl Simulation<'_> {
         let before = self.master_free;
         self.lay(report.worker, true, next);
         self.master.reports += self.master_free - before;
+        self.workers[report.worker].handled += self.master_free - before;
         self.begin_frames(self.master_free);
         if let Some(host) = waking {
             self.workers[host].stand(now, self.master_free - now);
@@ -179,12 +189,24 @@ impl Simulation<'_> {
         }
     }
 
-    /// How much later than usual a master on the core of a busy worker wakes up, unless that worker's tile ends before.
-    fn lateness(&mut self) -> f64 {
-        let SharedCore { late, delay, .. } = self.costs.shared;
-        self.lateness += late;
-        let is_late = self.lateness >= 1.0;
-        self.lateness -= f64::from(is_late);
-        if is_late { delay } else { 0.0 }
+    /// How much later than usual the master wakes up; on the core of a busy worker unless that one's tile ends before.
+    fn lateness(&mut self, worker: usize, now: f64) -> f64 {
+        let Costs { late, delay, shared, .. } = *self.costs;
+        let (which, late, delay) = match self.busy_host(now) {
+            Some(_) => (1, shared.late, shared.delay),
+            None => (0, late, delay),
+        };
+        let due = &mut self.lateness[which];
+        *due += late;
+        if *due < 1.0 {
+            return 0.0;
+        }
+        *due -= 1.0;
+        let (wakes, latency) = self.way_to_master(now);
+        let reports = &mut self.workers[worker].reports;
+        reports.late += 1;
+        reports.late_sum += wakes + latency + delay;
+        reports.latency_sum += delay;
+        delay
     }
 }

@@ -20,8 +20,7 @@ mod worker;
 
 use super::costs::Costs;
 use crate::schedule::{
-    End, FrameStats, Idle, MasterSeconds, Messages, Pause, Pinned, Plan, Schedule, Span, Strategy,
-    WorkerStats,
+    End, FrameStats, MasterSeconds, Messages, Pause, Pinned, Plan, Schedule, Span, Strategy, WorkerStats,
 };
 use state::{Event, Flight, Report, What, Worker};
 use std::cmp::Reverse;
@@ -98,9 +97,11 @@ struct Simulation<'a> {
     /// What the master has not handled yet; while it is awake, it is on the first one.
     inbox: VecDeque<Report>,
     awake: bool,
+    /// Somebody has called it, and it is about to wake up.
+    called: bool,
     master_free: f64,
-    /// Late wake-ups of the master that are due.
-    lateness: f64,
+    /// Late wake-ups of the master that are due: where it has a core of its own, and on that of a busy worker.
+    lateness: [f64; 2],
     /// Until when the master waits for its turn on the core of a busy worker.
     late_until: f64,
     /// What the report being handled takes from a tile of the host.
@@ -111,7 +112,6 @@ struct Simulation<'a> {
     spans: Vec<Span>,
     pauses: Vec<Pause>,
     tasks: Messages,
-    reports: Messages,
     master: MasterSeconds,
 }
 
@@ -137,8 +137,9 @@ impl<'a> Simulation<'a> {
             number: 0,
             inbox: VecDeque::new(),
             awake: false,
+            called: false,
             master_free: 0.0,
-            lateness: 0.0,
+            lateness: [0.0; 2],
             late_until: 0.0,
             owed: 0.0,
             handling: 0,
@@ -146,7 +147,6 @@ impl<'a> Simulation<'a> {
             spans: Vec::with_capacity(flow.frames * replays[0].plan.tiles.len()),
             pauses: vec![],
             tasks: Messages::default(),
-            reports: Messages::default(),
             master: MasterSeconds::default(),
         }
     }
@@ -182,19 +182,22 @@ impl<'a> Simulation<'a> {
     fn stats(mut self) -> FrameStats {
         self.spans.sort_by(|a, b| a.frame.cmp(&b.frame).then(a.end.total_cmp(&b.end)));
         let worker = |worker: &Worker| WorkerStats {
-            pinned: Pinned::Free,
-            busy_seconds: 0.0,
-            tiles: 0,
-            idle: Idle::default(),
             steals: worker.steals,
+            reports: worker.reports,
+            answers: worker.answers,
+            handled: worker.handled,
+            woken: worker.woken,
+            ..WorkerStats::new(Pinned::Free)
         };
+        let mut reports = Messages::default();
+        self.workers.iter().for_each(|worker| reports.add(&worker.reports));
         let mut stats = FrameStats {
             frames: self.flow.frames,
             seconds: self.end,
             workers: self.workers.iter().map(worker).collect(),
             spans: self.spans,
             tasks: self.tasks,
-            reports: self.reports,
+            reports,
             master: self.master,
         };
         stats.sum_up(&self.pauses);

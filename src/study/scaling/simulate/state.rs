@@ -1,6 +1,6 @@
 //! What the simulation knows at a moment.
 
-use crate::schedule::{Dealer, Run};
+use crate::schedule::{Dealer, Messages, Run};
 use std::collections::VecDeque;
 
 /// Picoseconds, so that times have an order.
@@ -39,6 +39,8 @@ pub(super) struct Report {
     pub(super) finished: bool,
     /// The master is not woken for it.
     pub(super) silent: bool,
+    /// The master is woken by it, from another core.
+    pub(super) calls: bool,
 }
 
 /// Some tiles of a frame.
@@ -69,6 +71,12 @@ pub(super) struct Worker {
     /// ... and in the middle of one.
     pub(super) debt: f64,
     pub(super) steals: usize,
+    pub(super) reports: Messages,
+    pub(super) answers: Messages,
+    /// Seconds that the master was busy with its reports and with their answers.
+    pub(super) handled: f64,
+    /// Part of that was waking it.
+    pub(super) woken: f64,
 }
 
 impl Worker {

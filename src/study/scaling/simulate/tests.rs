@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::schedule::CostMap;
-use crate::schedule::{FilmMode, SharedCore};
+use crate::schedule::{FilmMode, Idle, SharedCore};
 use crate::study::scaling::costs::NOTHING;
 use crate::tile::{Order, Tile, tiles};
 
@@ -311,6 +311,37 @@ fn by_hand_every_so_many_wake_ups_are_late_and_the_host_computes_meanwhile() {
     assert_eq!(starts(1.0), [0.0, 2.0, 11.0, 13.0, 22.0, 24.0, 33.0]);
     // Only each second wake-up is late.
     assert_eq!(starts(0.5), [0.0, 2.0, 4.0, 13.0, 15.0, 17.0, 26.0]);
+}
+
+#[test]
+fn by_hand_a_master_on_a_core_of_its_own_is_late_as_well() {
+    let run = |late| {
+        let costs = Costs { send: 0.25, to_master: 0.75, late, delay: 8.0, ..FREE };
+        given(Strategy::NonBlocking, 1, Flow::ONE, &[2.0; 9], &costs)
+    };
+    let starts = |late| -> Vec<f64> { run(late).spans.iter().map(|span| span.start).collect() };
+    // The first report wakes the master at 3, or 11; the second one lies there.
+    assert_eq!(starts(1.0)[..4], [0.0, 2.25, 11.0, 13.25]);
+    // Only each second wake-up: that of the first report at 3, of the second one at 5.25, or 13.25.
+    assert_eq!(starts(0.5)[..4], [0.0, 2.25, 4.5, 13.25]);
+    let reports = run(1.0).reports;
+    assert_eq!((reports.awaited, reports.late), (5, 5));
+    assert_eq!((reports.latency_sum, reports.late_sum), (5.0 * 9.0, 5.0 * 9.0));
+    let reports = run(0.0).reports;
+    assert_eq!((reports.awaited, reports.late, reports.latency_sum), (9, 0, 9.0));
+}
+
+#[test]
+fn by_hand_who_reports_while_the_master_is_about_to_wake_up_does_not_wake_it_again() {
+    let costs = Costs { send: 4.0, to_master: 3.0, ..FREE };
+    let stats =
+        given(Strategy::NonBlocking, 2, Flow::ONE, &[10.0, 12.0, 9.0, 9.0, 9.0, 9.0, 9.0, 9.0, 9.0], &costs);
+    let of = |worker| -> Vec<f64> {
+        stats.spans.iter().filter(|span| span.worker == worker).map(|span| span.start).collect()
+    };
+    // Both are answered at 17. The first one is done with its second tile at 23, the other one at 21, and goes on after waking
+    // the master, until 25.
+    assert_eq!((&of(0)[..3], &of(1)[..3]), (&[0.0, 14.0, 23.0][..], &[0.0, 12.0, 25.0][..]));
 }
 
 #[test]

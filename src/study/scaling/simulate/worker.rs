@@ -90,18 +90,39 @@ impl Simulation<'_> {
             }
             _ => false,
         };
-        // Who finds the master asleep wakes it; on the same core it goes on at once.
-        let (wakes, latency) = if silent || now < self.master_free || self.host() == Some(worker) {
-            (0.0, 0.0)
-        } else if self.busy_host(now).is_some() {
-            (self.costs.shared.send, self.costs.shared.latency)
-        } else {
-            (self.costs.send, self.costs.to_master)
-        };
+        let way = if silent { None } else { self.wake_master(worker, now) };
+        let (wakes, latency) = way.unwrap_or((0.0, 0.0));
         let arrives = now + wakes + latency;
-        self.reports.count += 1;
-        self.at(arrives, What::Arrive(Report { worker, frame, tiles, pixels, finished, silent }));
+        self.workers[worker].reports.count += 1;
+        self.at(
+            arrives,
+            What::Arrive(Report { worker, frame, tiles, pixels, finished, silent, calls: way.is_some() }),
+        );
         self.at(now + wakes, What::Look(worker));
+    }
+
+    /// Who finds the master asleep wakes it: what that takes, and how long it takes from then on. On the same core it goes on at
+    /// once.
+    fn wake_master(&mut self, worker: usize, now: f64) -> Option<(f64, f64)> {
+        if self.awake || self.called || now < self.master_free {
+            return None;
+        }
+        self.workers[worker].reports.awaited += 1;
+        if self.host() == Some(worker) {
+            return None;
+        }
+        let (wakes, latency) = self.way_to_master(now);
+        self.workers[worker].reports.latency_sum += wakes + latency;
+        self.called = true;
+        Some((wakes, latency))
+    }
+
+    /// A worker, to wake the master from another core, and from then on until that goes on, unless it is late.
+    pub(super) fn way_to_master(&self, now: f64) -> (f64, f64) {
+        match self.busy_host(now) {
+            Some(_) => (self.costs.shared.send, self.costs.shared.latency),
+            None => (self.costs.send, self.costs.to_master),
+        }
     }
 
     /// The worker is on no tile: a master that waits for its turn on the same core has it now. Whether there is one.

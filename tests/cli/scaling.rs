@@ -27,8 +27,8 @@ fn scaling_exports_the_documented_json_and_marks_what_is_simulated() {
         // The built-in scene is none of the thesis'.
         assert!(row["thesis_fps"].is_null() && row["thesis_efficiency"].is_null());
         assert_eq!(row["predicted_efficiency"].is_null(), workers == 1000);
-        // Two for each worker, at most 64 of them simulated; one worker renders half of a round at a time.
-        assert_eq!(row["frames"], if workers == 1 { 2 } else { 64 });
+        // Four for each worker, at most 64 of them simulated; one worker renders half of a round at a time.
+        assert_eq!(row["frames"], if workers == 1 { 4 } else { 64 });
         assert_eq!(number("inflation"), 1.0, "against itself, and where nothing else was given");
         assert_eq!(number("scheduling_efficiency"), number("efficiency"));
         if workers == 1 {
@@ -49,7 +49,7 @@ fn scaling_says_how_frames_followed_each_other_and_inflation_is_obeyed() {
             "--frames 3 --in-flight 1",
             "single frames, 3 for each worker, each begun when the one before was complete",
         ),
-        ("", "streams of 2 frames for each worker, 2 of them in flight"),
+        ("", "streams of 4 frames for each worker, 2 of them in flight"),
         ("--frames 1 --in-flight 9", "streams of 1 frames for each worker, 9 of them in flight"),
     ] {
         let text = folder.run(&format!("{few} {flags}"));

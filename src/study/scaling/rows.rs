@@ -15,9 +15,11 @@ use crate::{
 
 /// The simulator is never told that tiles became cheaper than this.
 const LEAST_INFLATION: f64 = 0.5;
-/// How often the simulator is asked for the slowness that explains what tiles took: each time what is left of the difference
-/// is a fraction of it, the share of tiles' time that the master takes.
-const TRIALS: usize = 4;
+/// How often at most the simulator is asked for the slowness that explains what tiles took: each time what is left of the
+/// difference is a fraction of it, the share of tiles' time that the master takes, ...
+const TRIALS: usize = 15;
+/// ... until it is this small.
+const CLOSE: f64 = 5e-4;
 
 /// What the rows of a scene are made of.
 pub(super) struct Study<'a> {
@@ -163,14 +165,25 @@ impl Study<'_> {
     /// the machine's, but the simulator's to find. Solved for by trial, since the slower everything is, the more that is.
     fn apart_from_master(&self, alone: &Alone, round: &Round, tiles: &TileCosts) -> Vec<f64> {
         let mut slowness = vec![1.0; round.slowness.len()];
-        for _ in 0..TRIALS {
+        let (mut least, mut best) = (f64::INFINITY, slowness.clone());
+        for trial in 0..TRIALS {
             let stream = self.predict(alone, round, &slowness, tiles);
-            let simulated = tiles.slowness(&stream);
-            for ((own, seen), simulated) in slowness.iter_mut().zip(&round.slowness).zip(simulated) {
-                *own = (*own * seen / simulated).max(LEAST_INFLATION);
+            let ratio = |(seen, simulated): (&f64, f64)| seen / simulated;
+            let ratios: Vec<f64> = round.slowness.iter().zip(tiles.slowness(&stream)).map(ratio).collect();
+            let off = ratios.iter().fold(0.0, |off: f64, ratio| off.max((ratio - 1.0).abs()));
+            if off < least {
+                (least, best) = (off, slowness.clone());
+            }
+            if off < CLOSE {
+                break;
+            }
+            // Workers that fall into another rhythm make it jump; then smaller steps come closer.
+            let step = if trial < TRIALS / 3 { 1.0 } else { 0.4 };
+            for (own, ratio) in slowness.iter_mut().zip(ratios) {
+                *own = (*own * ratio.powf(step)).max(LEAST_INFLATION);
             }
         }
-        slowness
+        best
     }
 
     /// The stream of workers of such slowness as the simulator has it, with what messages cost in this round.

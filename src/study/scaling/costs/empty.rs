@@ -57,6 +57,7 @@ impl Costs {
             shared: guess,
             copying: guess,
             late: 0.0,
+            delay: 0.0,
             per_byte: copy_seconds_per_byte(pin),
             copied: None,
             cores: Machine::get().default_workers(),

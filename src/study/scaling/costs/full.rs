@@ -20,23 +20,24 @@ impl Costs {
         schedule: Schedule,
         slowness: f64,
     ) -> Option<[f64; 2]> {
-        let per_byte = |own: bool| {
-            let mut sums = [0.0; 2];
+        let copied = |host: bool| {
+            let (mut seconds, mut copied) = (0.0, 0.0);
             for stream in streams {
                 let last = stream.workers.len().saturating_sub(1);
-                for worker in stream.workers.iter().enumerate().filter(|(i, _)| (*i == last) == own) {
-                    let (reports, tiles) = (worker.1.reports.count as f64, worker.1.tiles as f64);
-                    let other = reports * self.collect + tiles * self.collect_tile;
-                    sums[0] += (worker.1.handled - worker.1.woken) / slowness - other;
+                let (others, own) = stream.workers.split_at(last);
+                for worker in if host { own } else { others } {
+                    let (reports, tiles) = (worker.reports.count as f64, worker.tiles as f64);
+                    seconds += (worker.handled - worker.woken) / slowness;
+                    seconds -= reports * self.collect + tiles * self.collect_tile;
                 }
-                sums[1] += bytes(stream, |span| (span.worker == last) == own);
+                copied += bytes(stream, |span| (span.worker == last) == host);
             }
-            (sums[0] > 0.0 && sums[1] > 0.0).then(|| sums[0] / sums[1])
+            (seconds > 0.0 && copied > 0.0).then(|| seconds / copied)
         };
-        if schedule.film != FilmMode::Messages {
-            return None;
+        match schedule.film {
+            FilmMode::Shared => None,
+            FilmMode::Messages => Some([copied(false)?, copied(true)?]),
         }
-        Some([per_byte(false)?, per_byte(true)?])
     }
 
     /// What messages cost the others in streams where the master lives on the last worker's core, if they sent one every few

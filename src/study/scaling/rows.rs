@@ -164,26 +164,7 @@ impl Study<'_> {
     /// How slow each worker is if its tiles took as long as in this round: without what the master takes from them, which is not
     /// the machine's, but the simulator's to find. Solved for by trial, since the slower everything is, the more that is.
     fn apart_from_master(&self, alone: &Alone, round: &Round, tiles: &TileCosts) -> Vec<f64> {
-        let mut slowness = vec![1.0; round.slowness.len()];
-        let (mut least, mut best) = (f64::INFINITY, slowness.clone());
-        for trial in 0..TRIALS {
-            let stream = self.predict(alone, round, &slowness, tiles);
-            let ratio = |(seen, simulated): (&f64, f64)| seen / simulated;
-            let ratios: Vec<f64> = round.slowness.iter().zip(tiles.slowness(&stream)).map(ratio).collect();
-            let off = ratios.iter().fold(0.0, |off: f64, ratio| off.max((ratio - 1.0).abs()));
-            if off < least {
-                (least, best) = (off, slowness.clone());
-            }
-            if off < CLOSE {
-                break;
-            }
-            // Workers that fall into another rhythm make it jump; then smaller steps come closer.
-            let step = if trial < TRIALS / 3 { 1.0 } else { 0.4 };
-            for (own, ratio) in slowness.iter_mut().zip(ratios) {
-                *own = (*own * ratio.powf(step)).max(LEAST_INFLATION);
-            }
-        }
-        best
+        closest(&round.slowness, |slowness| tiles.slowness(&self.predict(alone, round, slowness, tiles)))
     }
 
     /// The stream of workers of such slowness as the simulator has it, with what messages cost in this round.
@@ -232,6 +213,29 @@ impl Study<'_> {
             thesis: thesis.and_then(|name| thesis_figure(name, schedule.strategy, workers)),
         }
     }
+}
+
+/// The slowness with which workers are found to be as slow as `seen`, or as close to that as was found: each trial takes them
+/// to be slower by what they are not slow enough.
+fn closest(seen: &[f64], mut found: impl FnMut(&[f64]) -> Vec<f64>) -> Vec<f64> {
+    let mut slowness = vec![1.0; seen.len()];
+    let (mut least, mut best) = (f64::INFINITY, slowness.clone());
+    for trial in 0..TRIALS {
+        let ratios: Vec<f64> = seen.iter().zip(found(&slowness)).map(|(seen, found)| seen / found).collect();
+        let off = ratios.iter().fold(0.0, |off: f64, ratio| off.max((ratio - 1.0).abs()));
+        if off < least {
+            (least, best) = (off, slowness.clone());
+        }
+        if off < CLOSE {
+            break;
+        }
+        // Workers that fall into another rhythm make it jump; then smaller steps come closer.
+        let step = if trial < TRIALS / 3 { 1.0 } else { 0.4 };
+        for (own, ratio) in slowness.iter_mut().zip(ratios) {
+            *own = (*own * ratio.powf(step)).max(LEAST_INFLATION);
+        }
+    }
+    best
 }
 
 fn mean(samples: &[f64]) -> f64 {

@@ -230,6 +230,8 @@ mod tests {
         assert_eq!(Costs { tile: expected.tile, ..seen }, expected);
         // Whoever has other parcels does not wait for answers: they take as long as reports that are in time.
         (stats.reports.late, stats.reports.late_sum) = (1, 14.0);
+        let seen = seen_in(&stats, Strategy::Dynamic, FilmMode::Shared, 1.0);
+        assert!(near(seen.to_master, 3.0) && seen.late == 0.0, "{seen:?}");
         let seen = seen_in(&stats, Strategy::NonBlocking, FilmMode::Shared, 1.0);
         assert!(near(seen.to_master, 4.0 - 2.0) && near(seen.to_worker, 2.0), "{seen:?}");
         assert!(near(seen.late, 0.1) && near(seen.delay, 14.0 - 4.0) && near(seen.collect, 7.0), "{seen:?}");

@@ -209,6 +209,44 @@ fn where_a_round_tells_nothing_of_messages_they_are_as_slow_as_its_tiles() {
 }
 
 #[test]
+fn what_is_usual_is_found_in_rounds_in_which_everything_takes_longer() {
+    let base = tile::tiles(512, 512, 64, Order::Hilbert);
+    let span = |&tile: &Tile| Span { frame: 0, worker: 0, tile, start: 0.0, end: 0.3 };
+    let seen = FrameStats { frames: 1, spans: base.iter().map(span).collect(), ..FrameStats::default() };
+    let tiles = TileCosts::new(&base, [&seen]);
+    let flow = Flow { frames: 4, in_flight: 2 };
+    let schedule = Schedule { strategy: Strategy::Dynamic, film: FilmMode::Messages };
+    let truth = Costs { shared: SharedCore { interrupt: 0.0, ..SHARED }, copying: SHARED, ..COSTS };
+    let round = |pace| tiles.simulate(schedule, &[pace; 2], flow, &base, &truth.slower(pace));
+    let full = Measured { schedule, workers: 2, streams: vec![round(2.0), round(4.0), round(3.0)] };
+    let found = truth.as_in(&full, &tiles);
+    let near = |found: f64, expected: f64| (found / expected - 1.0).abs() < 0.15;
+    assert!(near(found.shared.send, SHARED.send) && near(found.shared.back, SHARED.back), "{found:?}");
+    let (copied, expected) = (found.copied.unwrap(), COSTS.copied.unwrap());
+    assert!((0..2).all(|i| near(copied[i], expected[i])), "{copied:?}");
+}
+
+#[test]
+fn the_closest_slowness_is_kept_where_none_explains_what_was_seen() {
+    let near = |found: &[f64], expected: &[f64]| {
+        assert!(found.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-3), "{found:?}");
+    };
+    // The second worker appears slower by what is taken from it.
+    near(&closest(&[1.2, 1.8], |slow| vec![slow[0], slow[1] + 0.3]), &[1.2, 1.5]);
+    // From 1.2 on another rhythm sets in, and never is 1.3 found: nearest to it is what lies just below.
+    let jumps = |slow: &[f64]| vec![if slow[0] < 1.2 { slow[0] } else { 1.3 * slow[0] }];
+    let found = closest(&[1.3], jumps)[0];
+    assert!((1.1..1.2).contains(&found), "{found}");
+    // Where it gets worse with every step, the first one was best.
+    let mut worse = 1.0;
+    let found = closest(&[1.0], |_| {
+        worse *= 1.1;
+        vec![worse]
+    });
+    assert_eq!(found, [1.0]);
+}
+
+#[test]
 fn one_workers_streams_are_simulated_by_themselves() {
     // The second of two streams is on a core where messages take three times as long.
     let schedule = Schedule { strategy: Strategy::NonBlocking, film: FilmMode::Messages };

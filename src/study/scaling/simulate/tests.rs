@@ -489,7 +489,9 @@ fn the_plan_of_an_overlapped_end_is_for_frames_that_others_follow_at_once() {
 
 #[test]
 fn by_hand_on_a_network_every_message_takes_its_latency_and_every_pixel_its_bits() {
-    let costs = Costs { to_master: 7.0, to_worker: 7.0, cores: 1, ..FREE }.on_network(2.0, 16.0);
+    // The master's node has nothing else to do.
+    let slow = Costs { to_master: 7.0, to_worker: 7.0, late: 1.0, delay: 9.0, cores: 1, ..FREE };
+    let costs = slow.on_network(2.0, 16.0);
     let seconds = |film| frame(Schedule { strategy: Strategy::Dynamic, film }, 1, 16, &costs).seconds;
     // 16 tiles of 16 pixels, with 2 there and 2 back between them; 12 bytes per pixel at 2 bytes per second.
     let messages = 16.0 * (2.0 + 16.0 + 2.0);

@@ -104,7 +104,7 @@ impl Simulation<'_> {
     /// Who finds the master asleep wakes it: what that takes, and how long it takes from then on. On the same core it goes on at
     /// once.
     fn wake_master(&mut self, worker: usize, now: f64) -> Option<(f64, f64)> {
-        if self.awake || self.called || now < self.master_free {
+        if self.called || now < self.master_free {
             return None;
         }
         self.workers[worker].reports.awaited += 1;

@@ -11,14 +11,16 @@ use crate::tile::{Order, Tile, tiles};
 use std::sync::mpsc;
 use std::time::Instant;
 
-/// Frames per measurement.
+/// Frames per measurement, ...
 const FRAMES: usize = 21;
-/// Tiles in a side of an image of empty tiles, where the time per tile matters ...
+/// ... if that many fit into these seconds: where other processes keep both cores busy, a message takes milliseconds ...
+const PATIENCE: f64 = 0.6;
+/// ... and no fewer than these.
+const LEAST_FRAMES: usize = 5;
+/// Tiles in a side of an image of empty tiles ...
 const SIDE: u32 = 128;
-/// ... the same of strategies that answer every tile: a message takes as long as hundreds of tiles do.
-const ANSWERED_SIDE: u32 = 32;
-/// ... and where the time per frame matters.
-const SMALL_SIDE: u32 = 16;
+/// ... and of strategies that answer every tile: a message takes as long as hundreds of tiles do.
+const ANSWERED_SIDE: u32 = 16;
 /// Side of a tile whose pixels are copied ...
 const COPIED_SIDE: u32 = 64;
 /// ... and how many those are.
@@ -35,7 +37,6 @@ impl Costs {
             |strategy, side| empty_frames(Schedule { strategy, film: FilmMode::Shared }, 1, pin, side);
         let (stealing, mut dynamic) =
             (frames(Strategy::Stealing, SIDE)?, frames(Strategy::Dynamic, ANSWERED_SIDE)?);
-        let small = frames(Strategy::Dynamic, SMALL_SIDE)?;
         let count = f64::from(SIDE * SIDE);
         let last = |stats: &FrameStats| stats.spans.iter().fold(0.0, |end: f64, span| end.max(span.end));
         // Of stealing all tiles are in one report.
@@ -52,7 +53,7 @@ impl Costs {
         let guess = SharedCore::punctual(send, to_master, 3.0 * send, 2.0 * send);
         Ok(Costs {
             // The first task wakes the worker.
-            prepare: quiet(&small, |stats| (stats.master.frames - reply).max(0.0)),
+            prepare: quiet(&dynamic, |stats| (stats.master.frames - reply).max(0.0)),
             steal: steal_seconds(FRAMES),
             shared: guess,
             copying: guess,
@@ -94,7 +95,9 @@ fn empty_frames(schedule: Schedule, workers: usize, pin: bool, side: u32) -> Res
                 Ok(stats)
             };
             frame()?;
-            (0..FRAMES).map(|_| frame()).collect()
+            let start = Instant::now();
+            let patient = |taken: &usize| *taken < LEAST_FRAMES || start.elapsed().as_secs_f64() < PATIENCE;
+            (0..FRAMES).take_while(patient).map(|_| frame()).collect()
         })
     };
     std::thread::scope(|scope| match scope.spawn(measure).join() {

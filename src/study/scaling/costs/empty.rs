@@ -16,11 +16,11 @@ const FRAMES: usize = 21;
 /// ... if that many fit into these seconds: where other processes keep both cores busy, a message takes milliseconds ...
 const PATIENCE: f64 = 0.6;
 /// ... and no fewer than these.
-const LEAST_FRAMES: usize = 5;
+const LEAST_FRAMES: usize = 3;
 /// Tiles in a side of an image of empty tiles ...
 const SIDE: u32 = 128;
-/// ... and of strategies that answer every tile: a message takes as long as hundreds of tiles do.
-const ANSWERED_SIDE: u32 = 16;
+/// ... and of strategies that answer every tile: a message takes as long as hundreds of tiles do, or a frame.
+const ANSWERED_SIDE: u32 = 8;
 /// Side of a tile whose pixels are copied ...
 const COPIED_SIDE: u32 = 64;
 /// ... and how many those are.

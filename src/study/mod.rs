@@ -5,4 +5,5 @@ pub mod bench;
 pub mod scaling;
 pub mod stability;
 pub mod coherence;
+mod patience;
 pub mod price;

@@ -24,6 +24,7 @@ mod study;
 mod timing;
 mod verdict;
 
+pub use super::patience::Patience;
 pub use crate::math::Spread;
 pub use aim::Battery;
 pub use choose::{CAUTION, Choice, Wish, choose};
@@ -32,7 +33,7 @@ pub use geometry::Geometry;
 pub use heat::{heat, heat_color};
 pub use modes::{Knob, Mode, Omission, modes};
 pub use prices::{Extra, Prices, Sampling, error_of, price_size, prices, views};
-pub use timing::{Patience, Times};
+pub use timing::Times;
 pub use verdict::{sentence, verdict};
 
 use super::stability::Aimed;

@@ -1,6 +1,6 @@
 //! Frames of a mode and of the default, by turns, on the same workers' cores.
 
-use super::{compare::Picture, modes::Mode};
+use super::{Patience, compare::Picture, modes::Mode};
 use crate::{
     error::Result,
     math::{Spread, SrgbTable, srgb8_to_linear},
@@ -10,17 +10,6 @@ use crate::{
 };
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
-
-/// How long to measure.
-#[derive(Clone, Copy, Debug)]
-pub struct Patience {
-    /// Rounds at least.
-    pub least: usize,
-    /// Rounds at most.
-    pub most: usize,
-    /// No round begins after so many seconds, but those of the least number.
-    pub seconds: f64,
-}
 
 /// One frame.
 #[derive(Clone, Copy, Debug)]
@@ -162,9 +151,7 @@ fn rounds(
 ) -> Result<Times> {
     let start = Instant::now();
     let (mut seconds, mut ratios) = (vec![], vec![]);
-    while seconds.len() < patience.least
-        || (seconds.len() < patience.most && start.elapsed().as_secs_f64() < patience.seconds)
-    {
+    while patience.lasts(seconds.len(), start) {
         let (own, usual) = if seconds.len() % 2 == 0 {
             let usual = plain()?;
             (frame()?, usual)

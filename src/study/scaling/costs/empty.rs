@@ -7,16 +7,13 @@ use crate::schedule::{
     Control, FilmMode, FrameStats, Machine, Placement, Schedule, SharedCore, Strategy, TileTask,
     pin_current_thread, steal_seconds, with_workers,
 };
+use crate::study::patience::Patience;
 use crate::tile::{Order, Tile, tiles};
 use std::sync::mpsc;
 use std::time::Instant;
 
-/// Frames per measurement, ...
-const FRAMES: usize = 21;
-/// ... if that many fit into these seconds: where other processes keep both cores busy, a message takes milliseconds ...
-const PATIENCE: f64 = 0.6;
-/// ... and no fewer than these.
-const LEAST_FRAMES: usize = 3;
+/// Frames per measurement; fewer where other processes keep the cores busy, since a message takes milliseconds then.
+const PATIENCE: Patience = Patience { least: 3, most: 21, seconds: 0.6 };
 /// Tiles in a side of an image of empty tiles ...
 const SIDE: u32 = 128;
 /// ... and of strategies that answer every tile: a message takes as long as hundreds of tiles do, or a frame.
@@ -54,7 +51,7 @@ impl Costs {
         Ok(Costs {
             // The first task wakes the worker.
             prepare: quiet(&dynamic, |stats| (stats.master.frames - reply).max(0.0)),
-            steal: steal_seconds(FRAMES),
+            steal: steal_seconds(PATIENCE.most),
             shared: guess,
             copying: guess,
             late: 0.0,
@@ -96,8 +93,7 @@ fn empty_frames(schedule: Schedule, workers: usize, pin: bool, side: u32) -> Res
             };
             frame()?;
             let start = Instant::now();
-            let patient = |taken: &usize| *taken < LEAST_FRAMES || start.elapsed().as_secs_f64() < PATIENCE;
-            (0..FRAMES).take_while(patient).map(|_| frame()).collect()
+            (0..).take_while(|&done| PATIENCE.lasts(done, start)).map(|_| frame()).collect()
         })
     };
     std::thread::scope(|scope| match scope.spawn(measure).join() {
